@@ -70,6 +70,7 @@ cases! {
     eye_at_a_cones_apex eye_at_a_vertex_of_many eye_on_an_edge_of_many eye_in_planes_of_many
     eye_next_to_a_vertex_of_many coincident_triangles copies_of_a_mesh exponents_of_any_size
     thin_boxes_behind_one_another tiny_and_far layers_in_one_plane
+    layers_a_rounding_apart layers_apart_by_subnormal_numbers eye_next_to_a_corner_of_layers
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Hits of many rays.
 
 use crate::hit::{MISS, PrimitiveHit};
+use crate::num::simd::LANES;
 
 /// The closest hits of many rays, in structure-of-arrays order.
 ///
@@ -70,5 +71,93 @@ impl FromIterator<PrimitiveHit> for Hits {
             hits.v.push(hit.v);
         }
         hits
+    }
+}
+
+/// The first lane of eight neighbouring rays that hits a primitive; the lanes after it may hit the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) primitive: u32,
+    pub(crate) first: usize,
+}
+
+/// Runs of equal primitives among eight neighbouring rays, from left to right, without misses.
+///
+/// What a run's lanes share is computed once and written to all lanes from its first on; the next run overwrites the
+/// rest. That stays in registers, where lanes stored one by one would have to reach memory before eight could be loaded
+/// as one vector. Lanes of misses hold anything.
+#[derive(Clone, Copy)]
+pub(crate) struct Runs<'a> {
+    primitives: &'a [u32; LANES],
+    /// A bit for each first lane that is left.
+    starts: u32,
+}
+
+/// The runs of eight rays' primitives.
+#[inline(always)]
+pub(crate) fn runs(primitives: &[u32; LANES]) -> Runs<'_> {
+    let mut starts = 0;
+    let mut last = MISS;
+    for (lane, &primitive) in primitives.iter().enumerate() {
+        let is_start = (primitive != last) & (primitive != MISS);
+        starts |= u32::from(is_start) << lane;
+        last = primitive;
+    }
+    Runs { primitives, starts }
+}
+
+impl Iterator for Runs<'_> {
+    type Item = Run;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Run> {
+        if self.starts == 0 {
+            return None;
+        }
+        let first = self.starts.trailing_zeros() as usize % LANES;
+        self.starts &= self.starts - 1;
+        let primitive = self.primitives[first];
+        Some(Run { primitive, first })
+    }
+}
+
+/// Whether any of eight rays misses: all lanes at once, where a search would compare one by one.
+#[inline(always)]
+pub(crate) fn any_misses(primitives: &[u32; LANES]) -> bool {
+    let mut any = false;
+    for &primitive in primitives {
+        any |= primitive == MISS;
+    }
+    any
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_miss_is_found_in_any_lane() {
+        assert!(!any_misses(&[3; LANES]));
+        for lane in 0..LANES {
+            let mut primitives = [3; LANES];
+            primitives[lane] = MISS;
+            assert!(any_misses(&primitives));
+        }
+    }
+
+    #[test]
+    fn runs_are_of_neighbours_with_one_primitive_and_skip_misses() {
+        let found = |primitives: [u32; LANES]| -> Vec<(u32, usize)> {
+            let runs = runs(&primitives);
+            runs.map(|run| (run.primitive, run.first)).collect()
+        };
+        assert_eq!(found([MISS; LANES]), []);
+        assert_eq!(found([7; LANES]), [(7, 0)]);
+        assert_eq!(
+            found([MISS, 3, 3, MISS, 3, 0, 0, 9]),
+            [(3, 1), (3, 4), (0, 5), (9, 7)]
+        );
+        assert_eq!(found([1, 2, 3, 4, 5, 6, 7, 8]).len(), LANES);
+        assert_eq!(found([5, 5, 5, 5, 5, 5, 5, MISS]), [(5, 0)]);
     }
 }

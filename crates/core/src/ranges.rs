@@ -21,6 +21,19 @@ pub const FOV_END: f64 = 180.0;
 /// The furthest that a frame's middle may be shifted off the view axis, in heights of the frame.
 pub const FURTHEST_SHIFT: f64 = 1000.0;
 
+/// The largest coefficient of a lens's distortion, of either sign. A coefficient matters from where its term of the
+/// relative distortion (k1 r², k2 r⁴, k3 r⁶ with r the tangent of the angle off the view axis) is near one: k1 = −10⁴
+/// ends the picture 0.33 degrees off the axis, k3 = −10⁴ at 9 degrees. Calibrated lenses stay below 10³ by far; a larger
+/// limit would let in mistyped numbers whose pictures show nothing.
+pub const MOST_DISTORTION: f64 = 1e4;
+
+/// The furthest that the two eyes of a stereo picture are apart: as far as a scene's coordinates go. Much further, rays
+/// would start where no double is.
+pub const WIDEST_EYES: f64 = 1e18;
+
+/// The furthest that the ground lies from zero: as far as a scene's coordinates go.
+pub const FURTHEST_GROUND: f64 = 1e18;
+
 /// A number as messages show it: a power of ten in place of many zeros.
 fn number(number: impl Into<f64> + Copy + fmt::Display + fmt::LowerExp) -> String {
     let size = number.into().abs();
@@ -59,6 +72,24 @@ pub enum OutOfRange {
     /// A shift of the frame off the view axis.
     #[error("expected a shift within {FURTHEST_SHIFT} heights of the frame, found {},{}", number(*.0), number(*.1))]
     Shift(f64, f64),
+    /// A lens's distortion.
+    #[error(
+        "expected lens coefficients K1,K2,P1,P2,K3 within {MOST_DISTORTION} of zero, found {}",
+        found.map(number).join(",")
+    )]
+    Lens {
+        /// k1, k2, p1, p2, k3.
+        found: [f64; 5],
+    },
+    /// The distance between the eyes of a stereo picture.
+    #[error("expected a distance between the eyes above 0 and at most {WIDEST_EYES:e}, found {}", number(*.0))]
+    EyeDistance(f64),
+    /// The distance at which the views of a stereo pair coincide.
+    #[error("expected a distance of convergence above 0, or inf, found {}", number(*.0))]
+    Convergence(f64),
+    /// The height of the ground.
+    #[error("expected a ground height within {FURTHEST_GROUND:e} of zero, found {}", number(*.0))]
+    Ground(f64),
     /// A share of texture in a surface's colour.
     #[error("expected a blend from 0 to 1, found {}", number(*.0))]
     Blend(f32),
@@ -94,6 +125,49 @@ pub fn shift(shift: [f64; 2]) -> Result<[f64; 2], OutOfRange> {
     let fits = shift.iter().all(|part| part.abs() <= FURTHEST_SHIFT);
     fits.then_some(shift)
         .ok_or(OutOfRange::Shift(shift[0], shift[1]))
+}
+
+/// The coefficients k1, k2, p1, p2, k3 of a lens's distortion, each within [`MOST_DISTORTION`] of zero.
+///
+/// # Errors
+/// Any other number.
+pub fn lens(coefficients: [f64; 5]) -> Result<[f64; 5], OutOfRange> {
+    let fits = coefficients
+        .iter()
+        .all(|number| number.abs() <= MOST_DISTORTION);
+    fits.then_some(coefficients).ok_or(OutOfRange::Lens {
+        found: coefficients,
+    })
+}
+
+/// The distance between the eyes of a stereo picture in scene units, above 0 and at most [`WIDEST_EYES`].
+///
+/// # Errors
+/// Any other number.
+pub fn eye_distance(distance: f64) -> Result<f64, OutOfRange> {
+    let fits = distance > 0.0 && distance <= WIDEST_EYES;
+    fits.then_some(distance)
+        .ok_or(OutOfRange::EyeDistance(distance))
+}
+
+/// The distance at which the views of a stereo pair coincide in scene units, above 0; infinite for parallel view axes.
+///
+/// # Errors
+/// Any other number.
+pub fn convergence(distance: f64) -> Result<f64, OutOfRange> {
+    // NaN fails this comparison.
+    (distance > 0.0)
+        .then_some(distance)
+        .ok_or(OutOfRange::Convergence(distance))
+}
+
+/// The height of the ground in scene units, within [`FURTHEST_GROUND`] of zero.
+///
+/// # Errors
+/// Any other number.
+pub fn ground_height(height: f64) -> Result<f64, OutOfRange> {
+    let fits = height.abs() <= FURTHEST_GROUND;
+    fits.then_some(height).ok_or(OutOfRange::Ground(height))
 }
 
 /// A line's width in pixels, above 0 and at most [`WIDEST_LINE`].
@@ -187,6 +261,24 @@ mod tests {
             let message = fov(degrees).expect_err("no field of view").to_string();
             assert!(message.ends_with(&format!("found {found}")), "{message}");
         }
+        assert!(lens([1e4, -1e4, 0.0, 0.0, -1e4]).is_ok());
+        let message = lens([0.0, 1e308, 0.0, 0.0, 0.5]).expect_err("too large");
+        assert_eq!(
+            message.to_string(),
+            "expected lens coefficients K1,K2,P1,P2,K3 within 10000 of zero, found 0,1e308,0,0,0.5"
+        );
+        for coefficient in [f64::NAN, f64::NEG_INFINITY, -10_001.0] {
+            assert!(lens([0.0, 0.0, 0.0, 0.0, coefficient]).is_err());
+        }
+        assert!(eye_distance(1e18).is_ok() && convergence(f64::INFINITY).is_ok());
+        assert!(ground_height(-1e18).is_ok());
+        for bad in [f64::NAN, f64::NEG_INFINITY, -1.01e18] {
+            assert!(eye_distance(bad).is_err() && convergence(bad).is_err());
+            assert!(ground_height(bad).is_err(), "{bad}");
+        }
+        assert!(eye_distance(0.0).is_err() && convergence(0.0).is_err());
+        let message = eye_distance(-1.0).expect_err("negative").to_string();
+        assert!(message.ends_with("at most 1e18, found -1"), "{message}");
         assert!(blend(0.0).is_ok() && blend(1.0).is_ok());
         for share in [-0.1, 1.1, f32::NAN] {
             assert!(

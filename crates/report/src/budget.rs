@@ -1,33 +1,33 @@
-//! The amount of measuring: for seconds, or for minutes.
+//! How much a report measures.
 
 use raycast_core::Simd;
 
-/// Sizes and counts of a report.
+/// Sizes and counts that trade a report's precision for its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportBudget {
     /// Columns and rows of the pictures that are timed.
     pub size: (u32, u32),
     /// Measurements of each timed task.
     pub rounds: usize,
-    /// Rays a mesh that are compared with the truth.
+    /// Rays per mesh that are compared with the oracle.
     pub checked: usize,
     /// The most ray–triangle tests that brute force may take for one measurement.
     pub tests: usize,
-    /// Settings of each hard case.
+    /// Variants of each hard case.
     pub variants: usize,
-    /// Cameras of each setting of a hard case.
+    /// Cameras of each variant of a hard case.
     pub cameras: usize,
-    /// Rays of each setting of a hard case: this many free rays, and this many camera rays.
+    /// Rays of each variant of a hard case: this many free rays, and this many camera rays.
     pub hard: usize,
-    /// Rays at each position along the axis of the plots of where casters break.
+    /// Rays at each position of the plots that show where casters break.
     pub breaking: usize,
-    /// The largest mesh, in triangles, of the plots of speed.
+    /// Triangles of the largest mesh in the plots of speed.
     pub largest: u32,
-    /// Samples a pixel of the reference picture that pictures are compared with.
+    /// Samples per pixel of the reference picture.
     pub samples: u32,
-    /// Columns and rows of the pictures that are compared.
+    /// Columns and rows of the pictures that are compared with the reference.
     pub compared: (u32, u32),
-    /// The widest instruction set that packets are cast with, if the machine has it.
+    /// The widest instruction set for packets, if the machine has it.
     pub simd: Simd,
 }
 
@@ -48,7 +48,7 @@ impl ReportBudget {
         simd: Simd::Avx2,
     };
 
-    /// Some seconds: a functional check.
+    /// Some seconds: only checks that the report works.
     pub const QUICK: Self = Self {
         size: (320, 180),
         rounds: 2,

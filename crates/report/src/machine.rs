@@ -1,4 +1,4 @@
-//! The machine and the program that a report was made with.
+//! The machine and the program version of a report.
 
 use raycast_core::Simd;
 use std::fmt;
@@ -8,20 +8,20 @@ use std::fmt;
 pub struct Machine {
     /// The processor's name.
     pub processor: String,
-    /// Cores that this process may use.
+    /// Cores available to this process.
     pub cores: usize,
     /// Worker threads.
     pub threads: usize,
-    /// The widest instruction set of the kernels.
+    /// The instruction set of the kernels.
     pub simd: &'static str,
-    /// The operating system and its architecture.
+    /// Operating system and architecture.
     pub system: String,
     /// The commit that the program was built from.
     pub commit: &'static str,
 }
 
 impl Machine {
-    /// This machine, with so many workers.
+    /// This machine, with `threads` worker threads.
     pub fn this(threads: usize) -> Self {
         let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         Self {
@@ -45,7 +45,7 @@ impl fmt::Display for Machine {
     }
 }
 
-/// The processor's name in `/proc/cpuinfo`.
+/// The processor's name in the text of `/proc/cpuinfo`.
 fn processor(told: &str) -> Option<&str> {
     let line = told.lines().find(|line| line.starts_with("model name"))?;
     line.split_once(':').map(|(_, name)| name.trim())

@@ -1,7 +1,7 @@
 //! The Pareto front of points.
 
-/// Indices of the points that no other point dominates: none is as far left and higher, or further left and as high.
-/// From left to right; equal points are all included.
+/// Indices of the points that no other point dominates. Left and up are better: a point dominates another if it is
+/// at least as good in both and better in one. In order of x; equal points are all included.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let beats = |a: &(f64, f64), b: &(f64, f64)| a.0 <= b.0 && a.1 >= b.1 && a != b;
     let mut front: Vec<usize> = (0..points.len())
@@ -20,7 +20,7 @@ mod tests {
         let points = [
             (1.0, 10.0),
             (2.0, 30.0),
-            (2.0, 20.0), // as wrong as the one before, and slower
+            (2.0, 20.0), // dominated: as wrong as the one before, and slower
             (5.0, 30.0), // as fast, and more often wrong
             (9.0, 90.0),
             (0.5, 1.0),

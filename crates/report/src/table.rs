@@ -6,9 +6,9 @@ use std::fmt::Write;
 /// Rows under headings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// A heading a column, with its unit.
+    /// One heading per column, with its unit.
     pub columns: Vec<String>,
-    /// Rows, with as many cells as there are columns.
+    /// Rows; each has one cell per column.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -17,7 +17,7 @@ pub struct Table {
 pub enum Cell {
     /// Text.
     Text(String),
-    /// A number: formatted for people, and exact for programs.
+    /// A number: formatted for Markdown, and exact for CSV.
     Number(String, f64),
     /// An empty cell.
     Empty,
@@ -68,10 +68,10 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// As CSV, with its headings.
+    /// Encodes it as CSV, with its headings.
     ///
     /// # Errors
-    /// None in practice: it is written to memory.
+    /// None in practice: it writes to memory.
     pub fn csv(&self) -> Result<Vec<u8>, ReportError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(&self.columns)?;
@@ -87,7 +87,7 @@ impl Table {
             .map_err(|error| ReportError::Csv(error.to_string()))
     }
 
-    /// As a Markdown table, numbers to the right.
+    /// Formats it as Markdown, numbers aligned to the right.
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         let line = |text: &mut String, cells: &[String]| {
@@ -119,13 +119,13 @@ impl Table {
 /// Why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A plot.
+    /// An error of drawing a chart.
     #[error(transparent)]
     Chart(#[from] ChartError),
-    /// A table.
+    /// An error of writing CSV.
     #[error("a table cannot be written: {0}")]
     Csv(String),
-    /// A picture that cannot be encoded.
+    /// An error of encoding a picture.
     #[error(transparent)]
     Image(#[from] raycast_core::picture::ImageError),
     /// An invalid scene.
@@ -134,10 +134,10 @@ pub enum ReportError {
     /// An invalid camera.
     #[error(transparent)]
     Plane(#[from] raycast_core::camera::PlaneError),
-    /// Two pictures that cannot be compared.
+    /// Pictures that cannot be compared, such as ones of different sizes.
     #[error("two pictures cannot be compared: {0}")]
     Compare(String),
-    /// Workers that cannot be started.
+    /// The thread pool cannot be started.
     #[error("the workers could not be started: {0}")]
     Workers(#[from] rayon::ThreadPoolBuildError),
 }

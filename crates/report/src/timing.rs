@@ -1,23 +1,24 @@
-//! Times of several casters, measured alternately, and robust statistics of them.
+//! Measures several tasks alternately, with robust statistics.
 
 use std::time::{Duration, Instant};
 
-/// The least duration that is measured; the clock's resolution is well below a thousandth of it.
+/// The least duration of a measurement; shorter tasks are repeated. The clock's resolution is below a thousandth of
+/// it. A longer one makes the report slower, a shorter one its times noisier.
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 
-/// The median and the deviation of measurements.
+/// Median and median absolute deviation of measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
-    /// The middle one.
+    /// The median.
     pub median: f64,
     /// The median absolute deviation.
     pub deviation: f64,
-    /// How many there were.
+    /// The number of measurements.
     pub count: usize,
 }
 
 impl Spread {
-    /// Of numbers in any order; zero without any.
+    /// Statistics of numbers in any order; zeros if there are none.
     pub fn of(numbers: &[f64]) -> Self {
         let middle = median(numbers);
         let distances: Vec<f64> = numbers
@@ -31,7 +32,7 @@ impl Spread {
         }
     }
 
-    /// Turns times into rates, for an `amount` of work in each.
+    /// Converts times to rates, for `amount` units of work each.
     pub fn rate(self, amount: f64) -> Self {
         let median = amount / self.median;
         Self {
@@ -41,7 +42,7 @@ impl Spread {
         }
     }
 
-    /// The same in another unit.
+    /// The same, multiplied by a factor.
     pub fn scaled(self, factor: f64) -> Self {
         Self {
             median: self.median * factor,
@@ -62,14 +63,14 @@ pub fn median(numbers: &[f64]) -> f64 {
     }
 }
 
-/// The quantile of sorted numbers; 0 without any.
+/// The quantile `share` (0 to 1) of sorted numbers; 0 if there are none.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
     let at = (share * last as f64).ceil() as usize;
     sorted.get(at.min(last)).copied().unwrap_or(0.0)
 }
 
-/// The geometric mean, for rates over several meshes; 0 without any.
+/// The geometric mean, for rates over several meshes; 0 if there are no numbers.
 pub fn geometric_mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for number in numbers {
@@ -83,9 +84,9 @@ pub fn geometric_mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
-/// The seconds that each task takes, measured `rounds` times alternately with all others, so that a machine that
-/// slows down slows all of them; a first round is not counted. Short tasks are repeated until they are long enough
-/// for the clock.
+/// The seconds that each task takes. Tasks run in turn for `rounds` rounds, so that a change of the machine's clock
+/// rate affects all of them; a warm-up round before is not counted. Short tasks are repeated until a measurement
+/// takes 20 ms.
 pub fn interleaved<'a>(
     rounds: usize,
     works: &mut [Box<dyn FnMut() + Send + 'a>],
@@ -95,7 +96,7 @@ pub fn interleaved<'a>(
     for round in 0..=rounds {
         for (work, times) in works.iter_mut().zip(&mut times) {
             let (started, mut frames) = (Instant::now(), 0u32);
-            // One repetition is enough for warming up.
+            // The warm-up round runs each task once.
             while frames == 0 || (round > 0 && started.elapsed() < LONG_ENOUGH) {
                 work();
                 frames += 1;

@@ -1,27 +1,29 @@
-//! Lays a tree out: nodes depth first, triangles in the order of the leaves.
+//! Writes the final tree: nodes in depth-first order, triangles in leaf order.
 
 use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, Tree};
 use super::treelet::{Treelets, middle, span};
 use obvhs::bvh2::Bvh2;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// The most triangles in a leaf.
+/// The most triangles in a leaf. With fewer there are more nodes to store and traverse; with more, rays test more
+/// triangles that they miss.
 pub(super) const LEAF_LIMIT: usize = 4;
 
-/// The fewest triangles for which two threads are faster than one.
+/// The least number of triangles for which [`join`] uses two threads. With fewer, a task costs more than it saves;
+/// with a larger limit, threads idle near the leaves.
 const PARALLEL: usize = 1 << 12;
 
-/// Levels whose children may be measured on two threads each: enough to keep every thread busy.
+/// The depth down to which both children are measured in parallel: 2⁸ tasks keep every thread busy.
 const PARALLEL_DEPTH: usize = 8;
 
-/// A tree by halving alone: never deep, whatever the boxes.
+/// A tree built by median splits alone. Its depth is logarithmic whatever the boxes.
 pub(super) fn halved(boxes: &[Box32], mut order: Vec<u32>) -> (Tree, Vec<u32>) {
     let mut nodes = vec![Node::default(); halving_nodes(order.len())];
     let root = halve(boxes, Place::default(), &mut nodes, &mut order);
     (Tree::new(nodes, root), order)
 }
 
-/// How many nodes a subtree built by halving has.
+/// The number of inner nodes of a subtree built by median splits.
 fn halving_nodes(triangles: usize) -> usize {
     if triangles <= LEAF_LIMIT {
         return 0;
@@ -30,7 +32,7 @@ fn halving_nodes(triangles: usize) -> usize {
     1 + halving_nodes(half) + halving_nodes(triangles - half)
 }
 
-/// Where a subtree's nodes and primitive indices begin.
+/// The first node and the first primitive index of a subtree.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Place {
     pub(super) node: usize,
@@ -38,7 +40,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The same, further by some nodes and primitive indices.
+    /// The same, advanced by a number of nodes and of primitive indices.
     pub(super) fn after(self, nodes: usize, primitives: usize) -> Self {
         Self {
             node: self.node + nodes,
@@ -47,8 +49,8 @@ impl Place {
     }
 }
 
-/// A subtree built by halving boxes along the longest axis of their centres: its nodes, as many as
-/// [`halving_nodes`] says, and its indices in the order of its leaves.
+/// Builds a subtree by splitting at the median along the longest axis of the centroids' bounds. Fills `nodes`,
+/// which must have the length that [`halving_nodes`] gives, and sorts `indices` into leaf order.
 fn halve(
     boxes: &[Box32],
     place: Place,
@@ -78,7 +80,7 @@ fn halve(
     inner(node, place, count, children)
 }
 
-/// Writes a node above its children.
+/// Writes an inner node above two children.
 pub(super) fn inner(
     node: &mut Node,
     place: Place,
@@ -90,7 +92,7 @@ pub(super) fn inner(
     (subtree, around_a.union(around_b))
 }
 
-/// Runs both, on two threads if there are so many triangles that this is faster.
+/// Runs both closures, in parallel for at least [`PARALLEL`] triangles.
 pub(super) fn join<A: Send, B: Send>(
     triangles: usize,
     a: impl FnOnce() -> A + Send,
@@ -103,25 +105,25 @@ pub(super) fn join<A: Send, B: Send>(
     }
 }
 
-/// How many nodes and triangles a subtree has.
+/// The number of nodes and triangles of a subtree.
 #[derive(Clone, Copy, Default)]
 struct Size {
     nodes: usize,
     primitives: usize,
 }
 
-/// obvhs's tree over treelets, measured and ready to be laid out.
+/// obvhs's tree over treelets, with the sizes of its subtrees: ready to be written.
 pub(super) struct Layout<'a> {
     boxes: &'a [Box32],
     treelets: &'a Treelets,
     clusters: &'a Bvh2,
-    /// The size of each cluster.
+    /// The size of each cluster, by its index in `clusters`.
     sizes: Vec<Size>,
 }
 
 impl<'a> Layout<'a> {
-    /// Measures the tree. `None` if it is deeper than so many levels, or does not hold every treelet exactly
-    /// once.
+    /// Measures the tree. `None` if it has more than `depth_limit` levels, or does not contain every treelet
+    /// exactly once.
     pub(super) fn measure(
         boxes: &'a [Box32],
         treelets: &'a Treelets,
@@ -135,7 +137,7 @@ impl<'a> Layout<'a> {
             seen: (0..treelets.len()).map(|_| AtomicBool::default()).collect(),
         };
         let (all, levels) = measure.below(0, 1)?;
-        // No treelet is there twice, so as many as there are boxes are all of them.
+        // Since no treelet occurs twice, the right number of boxes means that all of them are there.
         let whole = all.primitives == boxes.len() && levels <= depth_limit;
         whole.then(|| Self {
             boxes,
@@ -145,7 +147,7 @@ impl<'a> Layout<'a> {
         })
     }
 
-    /// The tree, and the indices of its boxes in the order of its leaves.
+    /// The tree, and the indices of its boxes in leaf order.
     pub(super) fn tree(&self) -> (Tree, Vec<u32>) {
         let Size { nodes, primitives } = self.sizes[0];
         let mut nodes = vec![Node::default(); nodes];
@@ -154,7 +156,7 @@ impl<'a> Layout<'a> {
         (Tree::new(nodes, root), order)
     }
 
-    /// Lays out a cluster: its nodes, and its indices in the order of its leaves.
+    /// Writes the subtree of a cluster: its nodes, and its indices in leaf order.
     fn lay_out(
         &self,
         index: usize,
@@ -183,7 +185,7 @@ impl<'a> Layout<'a> {
         inner(&mut node[0], place, count, children)
     }
 
-    /// The indices of a cluster's boxes.
+    /// Collects the indices of a cluster's boxes.
     fn gather(&self, index: usize, order: &mut [u32]) {
         let cluster = &self.clusters.nodes[index];
         let first = cluster.first_index as usize;
@@ -198,7 +200,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// A [`Size`] that several threads may set.
+/// A [`Size`] that threads can set through a shared reference.
 #[derive(Default)]
 struct Cell {
     nodes: AtomicU32,
@@ -220,7 +222,7 @@ impl Cell {
     }
 }
 
-/// Measures a tree.
+/// State of the measuring pass.
 struct Measure<'a> {
     treelets: &'a Treelets,
     clusters: &'a Bvh2,
@@ -229,10 +231,10 @@ struct Measure<'a> {
 }
 
 impl Measure<'_> {
-    /// Measures a cluster at a depth, the root's being 1: its size and its levels. `None` if it is too deep, or
-    /// has a treelet that was seen before.
+    /// Measures a cluster at a depth (the root has 1): its size and its number of levels. `None` if it is too deep,
+    /// or contains a treelet that was seen before.
     fn below(&self, index: usize, depth: usize) -> Option<(Size, usize)> {
-        // Clusters that become one leaf are shallower than they look, by fewer levels than there is room for.
+        // A cluster of at most LEAF_LIMIT triangles becomes one leaf, which removes fewer than LEAF_LIMIT levels.
         if depth > DEPTH_LIMIT + LEAF_LIMIT {
             return None;
         }

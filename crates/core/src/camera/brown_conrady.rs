@@ -1,3 +1,4 @@
+use crate::ranges::{self, OutOfRange};
 use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
@@ -37,23 +38,24 @@ pub struct BrownConrady {
     well_behaved: WellBehaved,
 }
 
-/// A coefficient that is not finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected five finite numbers, k1,k2,p1,p2,k3")]
-pub struct LensError;
+/// Why there is no such lens.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LensError {
+    /// Not five numbers.
+    #[error("expected five lens coefficients, K1,K2,P1,P2,K3")]
+    Count,
+    /// A coefficient out of range.
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
+}
 
 impl BrownConrady {
     /// A lens with the coefficients k1, k2, p1, p2, k3.
     ///
     /// # Errors
-    /// A coefficient that is not finite.
+    /// A coefficient out of its range, [`ranges::lens`].
     pub fn new(coefficients: [f64; 5]) -> Result<Self, LensError> {
-        if !coefficients
-            .iter()
-            .all(|coefficient| coefficient.is_finite())
-        {
-            return Err(LensError);
-        }
+        let coefficients = ranges::lens(coefficients)?;
         let end = fold(coefficients);
         Ok(Self {
             coefficients,
@@ -447,13 +449,20 @@ impl fmt::Display for BrownConrady {
     }
 }
 
+impl TryFrom<&[f64]> for BrownConrady {
+    type Error = LensError;
+
+    fn try_from(coefficients: &[f64]) -> Result<Self, LensError> {
+        Self::new(coefficients.try_into().map_err(|_| LensError::Count)?)
+    }
+}
+
 impl FromStr for BrownConrady {
     type Err = LensError;
 
     fn from_str(text: &str) -> Result<Self, LensError> {
         let numbers: Result<Vec<f64>, _> = text.split(',').map(|it| it.trim().parse()).collect();
-        let numbers = numbers.map_err(|_| LensError)?;
-        Self::new(numbers.try_into().map_err(|_| LensError)?)
+        Self::try_from(&numbers.map_err(|_| LensError::Count)?[..])
     }
 }
 

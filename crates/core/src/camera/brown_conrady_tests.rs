@@ -115,10 +115,11 @@ fn a_picture_ends_where_the_lens_folds_back() {
             assert_eq!(lens.direction(5.0 * rim, -3.0 * rim), None, "{lens}");
         }
     }
-    assert_eq!(
-        BrownConrady::new([f64::NAN, 0.0, 0.0, 0.0, 0.0]),
-        Err(LensError)
-    );
+    for bad in [f64::NAN, 1e308, -10_001.0] {
+        let refused = BrownConrady::new([bad, 0.0, 0.0, 0.0, 0.0]);
+        assert!(matches!(refused, Err(LensError::Range(_))), "{bad}");
+    }
+    assert_eq!("1,2".parse::<BrownConrady>(), Err(LensError::Count));
 }
 
 #[test]

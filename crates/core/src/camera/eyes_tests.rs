@@ -195,23 +195,18 @@ fn invalid_stereo_settings_are_refused() {
             None,
             Err(StereoError::Orthographic),
         ),
-        (pair(Some(0.0)), planar, None, Err(StereoError::Convergence)),
-        (
-            pair(Some(f64::NAN)),
-            planar,
-            None,
-            Err(StereoError::Convergence),
-        ),
-        (far(0.0), planar, None, Err(StereoError::EyeDistance)),
-        (
-            far(f64::INFINITY),
-            planar,
-            None,
-            Err(StereoError::EyeDistance),
-        ),
         (far(1e18), planar, None, Ok(())),
-        (far(1.01e18), planar, None, Err(StereoError::EyeDistance)),
     ] {
         assert_eq!(stereo.check(projection, plane), expected, "{stereo:?}");
+    }
+    for stereo in [
+        pair(Some(0.0)),
+        pair(Some(f64::NAN)),
+        far(0.0),
+        far(f64::INFINITY),
+        far(1.01e18),
+    ] {
+        let checked = stereo.check(planar, None);
+        assert!(matches!(checked, Err(StereoError::Range(_))), "{stereo:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! Directions of a panorama's rays on a lattice: what the rays of a column or of a row share is worked out once.
+//! Ray directions of a panorama on a lattice. What all rays of a column or of a row share, such as the sine and
+//! cosine of a longitude, is computed once.
 
 #![allow(
     clippy::needless_range_loop,
@@ -12,24 +13,26 @@ use crate::num::simd::LANES;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The half angle in radians from which on a cone is wide. Below a right angle any is correct. A wider cone touches most
-/// of what is around the eye; with a narrower limit more large packets start at the root.
+/// The half angle in radians from which a cone is too wide to be of use. Any value below π/2 is correct. A wider
+/// cone touches most of the scene around the eye, so that testing against it rejects little; with a smaller limit
+/// more large packets start traversal at the root.
 const WIDE: f64 = 0.6;
 
-/// x, y and z of eight vectors.
+/// x, y and z of eight vectors, one vector a lane.
 pub(crate) type Vectors = [[f64; LANES]; 3];
 
-/// The rays of a panorama on a lattice, eight of a row at a time.
+/// The rays of a panorama on a lattice, computed for eight neighbours of a row at a time.
 pub(crate) struct PanoramaRays {
     panorama: Panorama,
-    /// The camera's right, up and forward.
+    /// The camera's right, up and forward unit vectors.
     axes: [[f64; 3]; 3],
     columns: Places,
     rows: Places,
 }
 
-/// Places along one side of the picture, in radians at its middle, the last one repeated for lanes beyond the end;
-/// their sines and cosines, where the panorama asks for them.
+/// The places along one side of the picture, in the unit of [`Panorama`]: one radian at the picture's middle. The
+/// last one is repeated, so that eight can be read at the end. Sines and cosines only where the panorama uses
+/// places as angles.
 #[derive(Default)]
 struct Places {
     at: Vec<f64>,
@@ -51,7 +54,7 @@ impl Places {
         all
     }
 
-    /// Eight of the numbers; zeros where there are none.
+    /// Eight consecutive numbers; zeros if fewer are left.
     #[inline(always)]
     fn eight(numbers: &[f64], first: usize) -> [f64; LANES] {
         let eight = numbers.get(first..).and_then(|rest| rest.first_chunk());
@@ -65,7 +68,7 @@ impl Places {
 }
 
 impl PanoramaRays {
-    /// The rays of a lattice; `None` where it is none of a panorama.
+    /// The rays of a lattice; `None` if its camera is not panoramic.
     pub(crate) fn new(lattice: &Lattice) -> Option<Self> {
         let camera = &lattice.camera;
         let panorama = camera.projection().panorama()?;
@@ -91,27 +94,30 @@ impl PanoramaRays {
         })
     }
 
-    /// The greatest magnitude of a place. One that is no number has no ray.
+    /// The greatest magnitude of a place. NaN is skipped: such a place has no ray.
     pub(crate) fn reach(&self) -> f64 {
         let ends = |places: &Places| [places.at.first().copied(), places.at.last().copied()];
         let all = ends(&self.columns).into_iter().chain(ends(&self.rows));
         all.flatten().map(f64::abs).fold(0.0, f64::max)
     }
 
-    /// A cone around a rectangle's rays: its axis in the camera's axes, and the tangent of its half angle. `None` where
-    /// it is wide, or its middle is no place of the picture.
+    /// A cone that contains all rays of a rectangle: its axis in camera coordinates, and the tangent of its half
+    /// angle. `None` if it is wider than [`WIDE`], if the rectangle's middle is outside the picture's domain, or
+    /// for a lens.
     ///
-    /// From place to place directions turn by no more than places are apart: on each kind of picture directions turn
-    /// fastest in its middle, one radian a unit, but for an equisolid fisheye, which along ρ turns by 1/√(1 − ρ²/4).
-    /// What a picture has, or the face of a cube, is convex: the way from the middle to each ray is on it.
+    /// The angle between two directions is at most the distance of their places times the greatest turn rate on the
+    /// way. The rate is at most 1 radian a unit, reached in the middle of the picture, except for an equisolid
+    /// fisheye: along ρ it turns by 1/√(1 − ρ²/4). The picture's domain, or the cube face, is convex, so the
+    /// segment from the middle to each ray lies in it.
     ///
-    /// At the rim of an equisolid fisheye 1 − ρ²/4 is off by 4ε. There a rectangle h wide turns by less than 2√(2h), and is
-    /// taken to turn by h/√(4ε): more, since a picture has at most 2³² columns, and h is 10⁻¹⁰ at least or zero.
+    /// At the rim of an equisolid fisheye, 1 − ρ²/4 has an error of 4ε. A rectangle of size h turns by less than
+    /// 2√(2h) there; the bound used is h/√(4ε). It is larger, because h is zero or at least 10⁻¹⁰: a picture has at
+    /// most 2³² columns.
     pub(crate) fn cone(&self, rect: Rect) -> Option<(DVec3, f64)> {
         let ((left, right), (top, bottom)) = self.ends(rect)?;
         let (across, along) = ((right - left) * 0.5, (bottom - top) * 0.5);
         if matches!(self.panorama, Panorama::Lens(_)) {
-            // Towards the end of a lens directions turn without bound: see `window`.
+            // The turn rate of a lens grows without bound towards the end of its domain: see `window`.
             return None;
         }
         let axis = self.panorama.direction(left + across, top + along)?;
@@ -121,7 +127,7 @@ impl PanoramaRays {
         } else {
             1.0
         };
-        // Far more than the roundings of places and directions.
+        // The margins exceed all rounding errors of places and directions by orders of magnitude.
         let angle = math::hypot(across, along) * turn * (1.0 + 1e-9) + 1e-9;
         (angle < WIDE).then(|| (axis, math::tan(angle)))
     }
@@ -136,13 +142,13 @@ impl PanoramaRays {
         Some((columns, ends(&self.rows.at, rect.y, rect.height)?))
     }
 
-    /// Whether the picture is planar but for a lens: all its rays go through the camera's image plane.
+    /// Whether the picture is a plane seen through a lens, so that all rays cross the camera's image plane.
     pub(crate) fn are_through_a_lens(&self) -> bool {
         matches!(self.panorama, Panorama::Lens(_))
     }
 
-    /// The part of the image plane at unit distance that the rays of a rectangle go through, to the right and up: of
-    /// pictures through a lens, where the lens is well-behaved.
+    /// Bounds, to the right and up, of the points in which the rays of a rectangle cross the image plane at unit
+    /// distance. `None` if there is no lens, or if it is not well-behaved there.
     pub(crate) fn window(&self, rect: Rect) -> Option<[(f64, f64); 2]> {
         let Panorama::Lens(lens) = self.panorama else {
             return None;
@@ -151,14 +157,14 @@ impl PanoramaRays {
         lens.window(across, (bottom, top))
     }
 
-    /// The face of a cube that a ray is on.
+    /// The cube face of a ray.
     pub(super) fn face(&self, column: u32, row: u32) -> Option<Face> {
         let at = |places: &Places, index: u32| places.at.get(index as usize).copied();
         (self.panorama).face(at(&self.columns, column)?, at(&self.rows, row)?)
     }
 
-    /// The rectangles of rays, row by row, whose rays are on one face of a cube, or all on none; `None` where the picture
-    /// is no cube map.
+    /// Divides the lattice into rectangles, in row-major order, so that the rays of each are on one cube face, or
+    /// all on none. `None` if the picture is no cube map.
     pub(crate) fn rects_of_faces(&self) -> Option<Vec<Rect>> {
         let faces = match self.panorama {
             Panorama::CubeStrip => &STRIP,
@@ -177,8 +183,8 @@ impl PanoramaRays {
         Some(rows.iter().flat_map(row_by_row).collect())
     }
 
-    /// Directions in the world of eight rays of a row from a column on, as [`Camera::ray`](super::Camera::ray) gives
-    /// them, bit for bit. Rays that there are not may have any.
+    /// World directions of eight rays of a row, starting at `column`, bitwise equal to those of
+    /// [`Camera::ray`](super::Camera::ray). Lanes without a ray have an arbitrary value.
     #[inline(always)]
     pub(crate) fn eight_in_world(&self, column: u32, row: u32) -> Vectors {
         let mut directions = [[0.0; LANES]; 3];
@@ -193,7 +199,8 @@ impl PanoramaRays {
         out
     }
 
-    /// Unit vectors in the world from what eight rays of a row hit to the eye, from a column on, in single precision.
+    /// Unit vectors in world coordinates from the hit points of eight rays of a row to the eye, in single
+    /// precision.
     #[inline(always)]
     pub(crate) fn eight_to_eye(&self, column: u32, row: u32) -> [[f32; LANES]; 3] {
         let mut directions = [[0.0; LANES]; 3];
@@ -209,7 +216,7 @@ impl PanoramaRays {
         out
     }
 
-    /// Eight vectors in the camera's axes as they are in the world, and their lengths.
+    /// Transforms eight vectors from camera to world coordinates; also returns their lengths.
     #[inline(always)]
     fn turned(&self, [xs, ys, zs]: &Vectors) -> (Vectors, [f64; LANES]) {
         let [right, up, forward] = self.axes;
@@ -226,8 +233,8 @@ impl PanoramaRays {
         (out, lengths)
     }
 
-    /// Directions of eight rays of a row from a column on, as [`Panorama::direction`] gives them, bit for bit, and
-    /// which of them there are, as bits. Those that there are not may have any direction.
+    /// Directions in camera coordinates of eight rays of a row, starting at `column`, bitwise equal to those of
+    /// [`Panorama::direction`]. Returns a mask of the lanes that have a ray; the others have an arbitrary value.
     #[inline(always)]
     fn eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
         let (a, b) = self.places(column, row);
@@ -237,7 +244,7 @@ impl PanoramaRays {
                 let down = [-b; LANES];
                 let [x, y] = lens.steps_towards(&a, &down);
                 *out = [x, negated(&y), [1.0; LANES]];
-                // The others lie between.
+                // The lanes between are closer to the middle than the farther end.
                 if lens.is_well_behaved(a[0], b) & lens.is_well_behaved(a[LANES - 1], b) {
                     return (1 << LANES) - 1;
                 }
@@ -262,7 +269,8 @@ impl PanoramaRays {
         }
     }
 
-    /// The same but for roundings: each coordinate is off by less than 320ε of the direction's length, ε = 2⁻⁵³.
+    /// As [`PanoramaRays::eight`] up to rounding, and faster: the error of each coordinate is below 320ε times the
+    /// direction's length, ε = 2⁻⁵³.
     #[inline(always)]
     pub(crate) fn nearly_eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
         let (a, b) = self.places(column, row);
@@ -294,8 +302,9 @@ impl PanoramaRays {
         }
     }
 
-    /// Directions of eight rays of a row through a lens, from near those: as [`PanoramaRays::nearly_eight`], but off by
-    /// 1440ε from the rays' own. `None` where they are not near enough, or there is no lens.
+    /// Directions of eight rays of a row through a lens, iterated from start values (x, y) nearby. As
+    /// [`PanoramaRays::nearly_eight`], but with an error of up to 1440ε. `None` if a start value is not near
+    /// enough, or without a lens.
     #[inline(always)]
     pub(crate) fn eight_through_lens(
         &self,
@@ -319,7 +328,7 @@ impl PanoramaRays {
         )
     }
 
-    /// Those of a picture that goes around the up axis.
+    /// As [`PanoramaRays::eight`], for a picture that wraps around the up axis.
     #[inline(always)]
     fn around(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
         let (a, b) = self.places(column, row);
@@ -347,8 +356,7 @@ impl PanoramaRays {
         }
     }
 
-    /// The face of a cube that all eight places are on: the first's, if it is the last's. What lies between them is no
-    /// other's.
+    /// The cube face of all eight places: that of the first if the last is on the same one, since faces are convex.
     #[inline(always)]
     fn face_of_eight(&self, a: &[f64; LANES], b: f64) -> Option<Face> {
         let (first, last) = (
@@ -359,9 +367,9 @@ impl PanoramaRays {
     }
 }
 
-/// Where spans of places begin that lie beside the same faces, and how many places they have. At a border a place lies
-/// beside two, and belongs to the first in the list, as in [`Panorama::direction`]: the one beside it in the picture may look
-/// the other way.
+/// Runs of places that lie within the same faces: the first index and the length of each. A place on a border lies
+/// within two faces and belongs to the first in the list, as in [`Panorama::direction`]. It must not join its
+/// neighbours' run: the adjacent face in the picture may look another way.
 fn spans_of_faces(places: &Places, middles: [f64; 6]) -> Vec<(u32, u32)> {
     let beside = |at: f64| middles.map(|middle| (at - middle).abs() <= 1.0);
     let at = &places.at[..places.at.len() - LANES];
@@ -375,7 +383,7 @@ fn spans_of_faces(places: &Places, middles: [f64; 6]) -> Vec<(u32, u32)> {
     spans.map(span).collect()
 }
 
-/// Those of one face.
+/// Directions of eight places on one face.
 #[inline(always)]
 fn on_face((x, y, [right, up, forward]): Face, a: &[f64; LANES], b: f64, out: &mut Vectors) -> u32 {
     for axis in 0..3 {
@@ -395,7 +403,7 @@ fn negated(numbers: &[f64; LANES]) -> [f64; LANES] {
     out
 }
 
-/// Which of eight numbers are no greater than another, as bits.
+/// Mask of the lanes that are at most `most`.
 #[inline(always)]
 fn at_most(numbers: &[f64; LANES], most: f64) -> u32 {
     let mut all = 0;
@@ -405,7 +413,7 @@ fn at_most(numbers: &[f64; LANES], most: f64) -> u32 {
     all
 }
 
-/// Terms of the series below: (π/4)¹⁸/18!, the first one left out, is below ε/16.
+/// Number of terms of the series below: the first one omitted, (π/4)¹⁸/18!, is below ε/16.
 const TERMS: usize = 9;
 
 /// Coefficients of cos √s and of sin √s / √s as series of s: (−1)ᵏ/(2k)! and (−1)ᵏ/(2k + 1)!.
@@ -424,12 +432,14 @@ const fn series(first: usize) -> [f64; TERMS] {
     all
 }
 
-/// Directions of an equidistant fisheye, by series for a quarter of the angle, which is doubled twice.
+/// Directions of an equidistant fisheye: sine and cosine by series for a quarter of the angle, then two angle
+/// doublings.
 ///
-/// Horner's scheme and its coefficients round the k-th term 4k + 1 times at most: of terms below 1, 0.31, 0.02, … that is
-/// less than 3ε for cos ρ/4, and 2ε for sin ρ/4 over ρ/4, with what is left out. cos 2x = 2 cos² x − 1 is off by four times
-/// what cos x is and 3ε, 15ε and then 63ε; sin 2x / 2x = (sin x / x) cos x by the sum and ε, 6ε and then 22ε, which is multiplied
-/// by at most π: all less than 320ε.
+/// Error bound: Horner's scheme, with its coefficients, rounds the k-th term at most 4k + 1 times. With terms below
+/// 1, 0.31, 0.02, … and the truncation, this is less than 3ε for cos ρ/4 and 2ε for (sin ρ/4)/(ρ/4).
+/// cos 2x = 2 cos² x − 1 has four times the error of cos x plus 3ε: 15ε, then 63ε.
+/// sin 2x / 2x = (sin x / x) cos x has the sum of both errors plus ε: 6ε, then 22ε; it is multiplied by at most π.
+/// All are below 320ε.
 #[inline(always)]
 fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vectors) -> u32 {
     let [mut share, mut cosine] = [[0.0; LANES]; 2];
@@ -461,7 +471,7 @@ mod tests {
     use crate::camera::{BrownConrady, Camera, ImagePlane, Placement, Projection, Rect};
     use crate::random::Random;
 
-    /// Lattices that begin and end anywhere, with places beyond the picture's end and at the borders of faces.
+    /// Lattices with arbitrary bounds, with places outside the picture's domain and on borders of faces.
     fn lattices() -> impl Iterator<Item = Lattice> {
         let mut random = Random(81);
         let lens = BrownConrady::new([-0.3, 0.1, 0.001, -0.0005, -0.01]).expect("finite");
@@ -504,7 +514,7 @@ mod tests {
                     let has = rays.eight(first, row, &mut exact);
                     let in_world = rays.eight_in_world(first, row);
                     let nearly_has = rays.nearly_eight(first, row, &mut near);
-                    // From a start beside them: of a lens, where it is well-behaved.
+                    // Start values nearby; of a lens, only where it is well-behaved.
                     let start = [0, 1].map(|axis| near[axis].map(|at| at + 1e-5 * random.signed()));
                     let from_there = rays.eight_through_lens(first, row, start);
                     for lane in 0..LANES {

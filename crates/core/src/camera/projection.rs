@@ -7,23 +7,23 @@ use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// The vertical field of view in degrees of a planar picture where nobody says another.
+/// The default vertical field of view of a planar picture, in degrees.
 pub const DEFAULT_FOV: f64 = 45.0;
 
-/// How rays leave the camera.
+/// How pixels map to rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Projection {
-    /// All from the eye, through the image plane.
+    /// All rays start at the eye and go through the image plane.
     #[default]
     Perspective,
-    /// Side by side along the view axis, from the plane through the eye.
+    /// Rays are parallel to the view axis and start on the plane through the eye.
     Orthographic,
-    /// All from the eye, in the directions of a picture that is no plane.
+    /// All rays start at the eye; the picture is not a plane.
     Panoramic(Panorama),
 }
 
 impl Projection {
-    /// Every projection, and its name.
+    /// Every projection with its name.
     pub fn all() -> impl Iterator<Item = (&'static str, Self)> {
         let planar = [
             ("perspective", Self::Perspective),
@@ -33,7 +33,7 @@ impl Projection {
         planar.into_iter().chain(panoramas)
     }
 
-    /// Its name, as in [`Projection::all`]: through a lens that of perspective.
+    /// Its name, as in [`Projection::all`]. A perspective picture through a lens is called perspective.
     pub fn name(self) -> &'static str {
         if self.lens().is_some() {
             return Self::Perspective.name();
@@ -42,13 +42,13 @@ impl Projection {
         all.find(|(_, it)| *it == self).map_or("", |(name, _)| name)
     }
 
-    /// Whether rays are parallel; else they share the eye.
+    /// Whether rays are parallel. Otherwise they start at the eye.
     #[inline]
     pub fn is_parallel(self) -> bool {
         self == Self::Orthographic
     }
 
-    /// The kind of picture, where that is no plane.
+    /// The kind of panorama; `None` for a planar picture.
     #[inline]
     pub fn panorama(self) -> Option<Panorama> {
         match self {
@@ -57,7 +57,7 @@ impl Projection {
         }
     }
 
-    /// The lens that a perspective picture is seen through, where there is one.
+    /// The lens of a perspective picture, if it has one.
     pub fn lens(self) -> Option<BrownConrady> {
         match self {
             Self::Panoramic(Panorama::Lens(lens)) => Some(lens),
@@ -70,8 +70,8 @@ impl Projection {
         Self::Panoramic(Panorama::Lens(lens))
     }
 
-    /// The height at distance `d` of a frame with this vertical field of view in degrees: what an orthographic frame
-    /// has there too, so that switching the projection keeps the picture.
+    /// The height of the frame at `distance` for a vertical field of view in degrees. An orthographic frame has the
+    /// height of the perspective one, so that the target keeps its size when the projection is switched.
     pub fn frame(self, fov_degrees: f64, distance: f64) -> f64 {
         match self {
             Self::Perspective | Self::Orthographic => fov_to_frame(fov_degrees, distance),
@@ -79,7 +79,7 @@ impl Projection {
         }
     }
 
-    /// The vertical field of view in degrees of a frame this high at this distance.
+    /// The vertical field of view in degrees for the height of the frame at `distance`.
     pub fn fov_degrees(self, frame_height: f64, distance: f64) -> f64 {
         match self {
             Self::Perspective | Self::Orthographic => frame_to_fov(frame_height, distance),
@@ -87,10 +87,10 @@ impl Projection {
         }
     }
 
-    /// A vertical field of view in degrees, checked: what the projection can have.
+    /// Checks a vertical field of view in degrees against the projection's range.
     ///
     /// # Errors
-    /// Any other number.
+    /// A number outside the range.
     pub fn check_fov(self, degrees: f64) -> Result<f64, OutOfRange> {
         match self {
             Self::Perspective | Self::Orthographic => ranges::fov(degrees),
@@ -110,8 +110,8 @@ impl Projection {
         }
     }
 
-    /// The part of a vertical field of view in degrees that a scene is to fill: of a panorama the quarter of a turn in its
-    /// middle, which is much like a perspective picture.
+    /// The part of the vertical field of view in degrees that a scene should fill when it is framed. Of a panorama
+    /// it is the middle 90°, which look much like a perspective picture.
     pub fn fitting_fov(self, fov_degrees: f64) -> f64 {
         match self {
             Self::Perspective | Self::Orthographic => fov_degrees,
@@ -119,7 +119,7 @@ impl Projection {
         }
     }
 
-    /// The vertical field of view in degrees where nobody says another.
+    /// The default vertical field of view in degrees.
     pub fn default_fov(self) -> f64 {
         let panorama = self.panorama().filter(|_| self.lens().is_none());
         panorama.map_or(DEFAULT_FOV, Panorama::default_fov)
@@ -145,7 +145,7 @@ impl FromStr for Projection {
     }
 }
 
-/// An eye, an orientation and an image plane.
+/// A placement, a projection and an image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub(super) placement: Placement,
@@ -156,7 +156,7 @@ pub struct Camera {
     pub(super) forward: DVec3,
     distance: f64,
     shift: [f64; 2],
-    /// Where the view axis goes through the picture, in pixels.
+    /// The principal point: where the view axis meets the picture, in pixels.
     pub(super) center: [f64; 2],
     pub(super) eyes: Eyes,
 }
@@ -164,8 +164,8 @@ pub struct Camera {
 impl Camera {
     /// A camera at `placement`.
     ///
-    /// An eye in its target looks along −Z from one unit away; an `up` along the view axis, or
-    /// zero, gives way to −Z or +Y. [`Placement::check`] says whether either is the case.
+    /// If eye and target coincide, it looks along −Z at a target one unit away; if `up` is zero or parallel to the
+    /// view axis, −Z or +Y replaces it. [`Placement::check`] reports both.
     pub fn new(placement: Placement, projection: Projection, plane: ImagePlane) -> Self {
         let sight = placement.target - placement.eye;
         let length = sight.length();
@@ -200,7 +200,7 @@ impl Camera {
         Self::upright(axis, axis.any_orthonormal_vector())
     }
 
-    /// The same with `up` for its up axis, as near as that is square to the view axis.
+    /// The same, with `up` made orthogonal to the view axis.
     pub(crate) fn upright(axis: DVec3, up: DVec3) -> Self {
         let placement = Placement {
             eye: DVec3::ZERO,
@@ -215,7 +215,7 @@ impl Camera {
         Self::new(placement, Projection::Perspective, plane)
     }
 
-    /// A perspective camera with the same axes in the origin, whose target is one unit away.
+    /// A perspective camera at the origin with the same axes, whose target is one unit away.
     pub(crate) fn unit_perspective(&self) -> Self {
         let placement = Placement {
             eye: DVec3::ZERO,
@@ -238,10 +238,9 @@ impl Camera {
 
     /// The ray through the point (x, y) of the picture, in pixels from its top left corner.
     ///
-    /// This is the one definition of a pixel's ray: the pixel in column c and row r has its centre
-    /// at (c + ½, r + ½). The direction is of unit length, so `t` is the distance from the eye, or
-    /// from the image plane of an orthographic camera. Where the picture has no such place
-    /// ([`Camera::has_place`]) it is zero.
+    /// This is the only definition of a pixel's ray: the pixel in column c and row r has its centre at
+    /// (c + ½, r + ½). The direction has unit length, so that `t` is the distance from the eye, or from the image
+    /// plane of an orthographic camera. It is zero where the picture has no ray ([`Camera::has_place`]).
     #[inline(always)]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         if self.eyes != Eyes::One {
@@ -276,19 +275,19 @@ impl Camera {
         self.in_world(direction)
     }
 
-    /// (x, y) of the picture as [`Panorama`] counts places.
+    /// The coordinates of (x, y) in the unit of [`Panorama`].
     pub(super) fn panoramic_place(&self, x: f64, y: f64) -> (f64, f64) {
         let (across, along) = self.across_and_along(x, y);
         (across / self.distance, along / self.distance)
     }
 
-    /// A vector given to the right, up and forward.
+    /// Transforms a vector from camera coordinates (right, up, forward) to world coordinates.
     pub(super) fn in_world(&self, vector: DVec3) -> DVec3 {
         self.right * vector.x + self.up * vector.y + self.forward * vector.z
     }
 
-    /// Whether the picture has the place (x, y): one of no plane has an end. A place that it does not have has no ray,
-    /// but one without direction, which misses everything; pixels there are transparent.
+    /// Whether (x, y) is inside the picture's domain. That of many panoramas is bounded, such as
+    /// a fisheye's disc. Outside, the ray has a zero direction and misses everything, and pixels are transparent.
     pub fn has_place(&self, x: f64, y: f64) -> bool {
         if self.stereo().is_some() {
             return self.of_half(x, y).has_place(x, y);
@@ -299,11 +298,11 @@ impl Camera {
         })
     }
 
-    /// Which of eight places of a row, a pixel apart, the picture has.
+    /// For eight places of a row, one pixel apart, whether each is inside the picture's domain.
     pub(crate) fn has_eight_places(&self, x: f64, y: f64) -> [bool; LANES] {
         let all: [f64; LANES] = std::array::from_fn(|pixel| x + pixel as f64);
         match self.projection.lens() {
-            // Newton's steps take little longer for eight than for one.
+            // Newton's iteration for eight lanes takes little longer than for one.
             Some(lens) if !self.has_all_between(all[0], all[LANES - 1], y) => {
                 let (_, b) = self.panoramic_place(x, y);
                 lens.has_places(all.map(|x| self.panoramic_place(x, y).0), b)
@@ -313,7 +312,8 @@ impl Camera {
         }
     }
 
-    /// Whether the picture surely has all places between two of a row.
+    /// Whether all places of a row between two are inside the picture's domain; through a lens `false`
+    /// may mean that this is not certain.
     pub(crate) fn has_all_between(&self, left: f64, right: f64, y: f64) -> bool {
         self.projection.panorama().is_none_or(|panorama| {
             let (first, b) = self.panoramic_place(left, y);
@@ -322,10 +322,10 @@ impl Camera {
         })
     }
 
-    /// Whether the picture has all of its pixels' places.
+    /// Whether the whole picture is inside its domain.
     pub fn is_filled(&self) -> bool {
-        // What a panorama has is convex but for the cross, and no rectangle about the cross's middle has its corners in
-        // there and leaves it between them.
+        // The corner pixels decide: the domain of every panorama but the cross is convex, and no rectangle around
+        // the middle of the cross has its corners inside and other places outside.
         let whole = |camera: &Self, rect: Rect| {
             let middle = |pixel: u32| f64::from(pixel) + 0.5;
             let rows = [rect.y, rect.bottom().saturating_sub(1)].map(middle);
@@ -339,8 +339,7 @@ impl Camera {
         }
     }
 
-    /// How [`Camera::direction`] changes from (x, y) to a pixel further to the right, and a pixel further down: the
-    /// derivatives.
+    /// The derivatives of [`Camera::direction`] at (x, y), for a step of one pixel to the right and one down.
     pub(crate) fn direction_slopes(&self, x: f64, y: f64) -> [DVec3; 2] {
         let step = self.plane.step;
         match self.projection {
@@ -358,13 +357,12 @@ impl Camera {
         }
     }
 
-    /// The principal point: where the view axis goes through the picture, in pixels.
+    /// The principal point: where the view axis meets the picture, in pixels.
     pub(crate) fn principal_point(&self) -> [f64; 2] {
         self.center
     }
 
-    /// How far (x, y) of the picture is to the right of and above the view axis, in scene units at
-    /// the target.
+    /// The offset of (x, y) from the view axis, to the right and up, in scene units at the target's distance.
     #[inline(always)]
     pub(crate) fn across_and_along(&self, x: f64, y: f64) -> (f64, f64) {
         let across = (x - self.center[0]) * self.plane.step;
@@ -372,17 +370,17 @@ impl Camera {
         (across, along)
     }
 
-    /// From the view axis to (x, y) of the picture, on the plane through the target.
+    /// The vector from the view axis to (x, y) on the plane through the target.
     #[inline(always)]
     pub(crate) fn on_plane(&self, x: f64, y: f64) -> DVec3 {
         let (across, along) = self.across_and_along(x, y);
         self.right * across + self.up * along
     }
 
-    /// The direction through (x, y) before it is made unit length: linear in x and y where the picture is a plane.
+    /// The direction through (x, y) before normalisation: affine in x and y if the picture is a plane.
     ///
-    /// Perspective: from the eye to the point on the plane through the target.
-    /// Orthographic: the view axis. Panoramic: that of [`Panorama::direction`], or zero.
+    /// Perspective: from the eye to the point on the plane through the target. Orthographic: the view axis.
+    /// Panoramic: that of [`Panorama::direction`] in world coordinates, or zero.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         if self.stereo().is_some() {
             return self.of_half(x, y).direction(x, y);
@@ -394,8 +392,9 @@ impl Camera {
         }
     }
 
-    /// Where a world point falls in the picture, in pixels; `None` at or behind the eye's plane, where
-    /// [`Panorama::place`] has none, and where there are two eyes: a pair's [`Camera::halves`] have a place each.
+    /// Projects a world point to the picture, in pixels. `None` at or behind the eye's plane of a perspective
+    /// camera, where [`Panorama::place`] has none, and for stereo pairs, whose two [`Camera::halves`] have a
+    /// projection each.
     pub fn project(&self, point_in_world: DVec3) -> Option<(f64, f64)> {
         if self.eyes != Eyes::One {
             return None;
@@ -424,30 +423,30 @@ impl Camera {
         (x.is_finite() && y.is_finite()).then_some((x, y))
     }
 
-    /// Where the camera was put.
+    /// Eye, target and up vector.
     #[inline]
     pub fn placement(&self) -> Placement {
         self.placement
     }
 
-    /// How its rays leave it.
+    /// How pixels map to rays.
     #[inline]
     pub fn projection(&self) -> Projection {
         self.projection
     }
 
-    /// Its lattice of rays.
+    /// Number and spacing of pixels.
     pub fn plane(&self) -> ImagePlane {
         self.plane
     }
 
-    /// The unit vector to the right in the picture.
+    /// The unit vector that points to the right in the picture.
     #[inline]
     pub fn right(&self) -> DVec3 {
         self.right
     }
 
-    /// The unit vector up in the picture.
+    /// The unit vector that points up in the picture.
     #[inline]
     pub fn up(&self) -> DVec3 {
         self.up
@@ -459,7 +458,7 @@ impl Camera {
         self.forward
     }
 
-    /// From eye to target, in scene units.
+    /// The distance from eye to target, in scene units.
     #[inline]
     pub fn distance(&self) -> f64 {
         self.distance
@@ -481,8 +480,8 @@ impl Camera {
         }
     }
 
-    /// The same camera with its frame moved to the right and up, in heights of the frame: the eye, the view axis and
-    /// the step stay, as with a lens that is shifted. Rays stay a lattice.
+    /// The same camera with its frame moved to the right and up (lens shift), in units of the frame's height. Eye,
+    /// view axis and pixel size stay, and so rays still form a lattice.
     pub fn shifted(&self, shift: [f64; 2]) -> Self {
         Self {
             shift,
@@ -491,15 +490,15 @@ impl Camera {
         }
     }
 
-    /// How far the frame is off the view axis, to the right and up, in heights of the frame. Of one eye's camera
-    /// ([`Camera::halves`]) that of the whole picture's.
+    /// The frame's offset from the view axis, to the right and up, in units of its height. For one eye of a stereo
+    /// pair ([`Camera::halves`]) it is that of the whole picture.
     pub fn shift(&self) -> [f64; 2] {
         self.shift
     }
 }
 
-/// Where the view axis goes through a picture, in pixels: whole numbers of 2⁻²⁴, as the places of samples are, so that
-/// differences from them are exact.
+/// The principal point in pixels. It is a multiple of 2⁻²⁴, as sample positions are, so that their differences are
+/// exact.
 fn center(plane: &ImagePlane, [right, up]: [f64; 2]) -> [f64; 2] {
     let (columns, rows) = (f64::from(plane.columns), f64::from(plane.rows));
     [
@@ -508,17 +507,17 @@ fn center(plane: &ImagePlane, [right, up]: [f64; 2]) -> [f64; 2] {
     ]
 }
 
-/// Pixels as a whole number of 2⁻²⁴.
+/// Rounds pixels to a multiple of 2⁻²⁴.
 pub(super) fn rounded(pixels: f64) -> f64 {
     (pixels * 16_777_216.0).round_ties_even() / 16_777_216.0
 }
 
-/// The height at distance `d` of a frame with this vertical field of view in degrees.
+/// The height of a planar frame at `distance` for a vertical field of view in degrees.
 pub fn fov_to_frame(fov_degrees: f64, distance: f64) -> f64 {
     2.0 * distance * math::tan(fov_degrees.to_radians() * 0.5)
 }
 
-/// The vertical field of view in degrees of a frame this high at this distance.
+/// The vertical field of view in degrees for a planar frame of this height at `distance`.
 pub fn frame_to_fov(frame_height: f64, distance: f64) -> f64 {
     2.0 * math::atan(frame_height * 0.5 / distance).to_degrees()
 }

@@ -1,10 +1,8 @@
 //! Pictures for two eyes.
 
+use crate::ranges::{self, OutOfRange};
 use std::fmt;
 use std::str::FromStr;
-
-/// The furthest that eyes are apart: as far as a scene's coordinates go. Much further, rays would start where no double is.
-const WIDEST: f64 = 1e18;
 
 /// The layout of a picture for two eyes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,14 +30,11 @@ pub struct Stereo {
 }
 
 /// Why a camera cannot make such a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StereoError {
-    /// A distance between the eyes that is not positive, or too large.
-    #[error("expected a distance between the eyes above 0 and at most {WIDEST:e}")]
-    EyeDistance,
-    /// A distance of convergence that is not positive.
-    #[error("expected a distance of convergence above 0, or inf")]
-    Convergence,
+    /// A distance out of range.
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// A projection whose rays share no eye.
     #[error("a pair of orthographic pictures has no eyes")]
     Orthographic,
@@ -95,14 +90,9 @@ impl Stereo {
     /// # Errors
     /// A distance out of range.
     pub fn check_distances(&self) -> Result<(), StereoError> {
-        if !(self.eye_distance > 0.0 && self.eye_distance <= WIDEST) {
-            return Err(StereoError::EyeDistance);
-        }
-        // NaN fails this comparison.
-        match self.convergence.is_none_or(|distance| distance > 0.0) {
-            true => Ok(()),
-            false => Err(StereoError::Convergence),
-        }
+        ranges::eye_distance(self.eye_distance)?;
+        self.convergence.map(ranges::convergence).transpose()?;
+        Ok(())
     }
 }
 

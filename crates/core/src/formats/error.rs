@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub struct FilePosition {
     /// The file.
     pub file: PathBuf,
-    /// The line, from 1; `None` where the fault is not on one line.
+    /// The line, from 1; `None` if the error does not belong to one line.
     pub line: Option<usize>,
 }
 
@@ -21,11 +21,11 @@ impl std::fmt::Display for FilePosition {
     }
 }
 
-/// Why a file was not read. Every message is one line: place, what was expected, what was found. It
-/// shows at most 200 characters of what a file holds.
+/// Why a file was not read. Every message is one line: place, what was expected, what was found. It quotes at most
+/// 200 characters of the file.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
-    /// The file system's own refusal.
+    /// An error of the file system.
     #[error("{place}: {source}")]
     Io {
         /// Where.
@@ -33,17 +33,17 @@ pub enum FormatError {
         /// Why.
         source: std::io::Error,
     },
-    /// Something other than what must stand there.
+    /// Content other than what the format requires.
     #[error("{place}: expected {expected}, found {found}")]
     Unexpected {
         /// Where.
         place: FilePosition,
-        /// What must stand there.
+        /// What the format requires.
         expected: String,
-        /// What does.
+        /// What the file has.
         found: String,
     },
-    /// Something that cannot stand there, in the words of whatever refused it.
+    /// Content that a decoder or parser rejects; the message is its own.
     #[error("{place}: {reason}")]
     Refused {
         /// Where.
@@ -51,31 +51,31 @@ pub enum FormatError {
         /// Why, in one line.
         reason: String,
     },
-    /// More than the [`super::Limits`] of the reading allow.
+    /// The file exceeds one of the [`super::Limits`].
     #[error("{place}: {what}; at most {most} are allowed (limit `{limit}`)")]
     TooMuch {
         /// Where.
         place: FilePosition,
-        /// What there is too much of.
+        /// What exceeds it.
         what: String,
-        /// The limit's name.
+        /// The name of the field of `Limits`.
         limit: &'static str,
-        /// How much it allows.
+        /// Its value.
         most: u64,
     },
-    /// More memory than there is: see [`super::Budget::within_memory`].
+    /// Not enough memory: see [`super::Budget::within_memory`].
     #[error("{place}: {what}; {whose} leaves {leaves}")]
     NoMemory {
         /// Where.
         place: FilePosition,
-        /// What there is no memory for.
+        /// What the memory was for.
         what: String,
-        /// Who says how much there is.
+        /// What bounds the memory: a process limit, the machine.
         whose: String,
-        /// How many bytes that is.
+        /// How many bytes were available.
         leaves: u64,
     },
-    /// The reading was cancelled by its caller.
+    /// The caller cancelled reading.
     #[error("{place}: reading it was cancelled")]
     Cancelled {
         /// The file that was being read.
@@ -104,7 +104,7 @@ impl FormatError {
         }
     }
 
-    /// `reason` may have several lines: they become one.
+    /// The lines of `reason` are joined by "; ", so that the message is one line.
     pub(super) fn refused(file: &Path, line: Option<usize>, reason: &str) -> Self {
         let lines: Vec<_> = reason
             .lines()
@@ -117,7 +117,7 @@ impl FormatError {
         }
     }
 
-    /// What is wrong, without the place.
+    /// The message without the place.
     pub(super) fn reason(&self) -> String {
         let (Self::Io { place, .. }
         | Self::Unexpected { place, .. }

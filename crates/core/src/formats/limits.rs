@@ -5,27 +5,27 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How much reading may take, and what it does where files do not say. What a file claims is compared with these
-/// before anything is allocated for it, so that a small file cannot ask for all memory.
+/// Limits on what reading may use, and defaults for what a file leaves open. Sizes that a file claims are checked
+/// against them before anything is allocated, so that a small malicious file cannot exhaust memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes held at one time while reading and by what was read: the contents of files, images on
-    /// their way to textures, meshes, each copy counted.
+    /// Bytes allocated at any one time, while reading and by the result: file contents, decoded images, meshes.
+    /// Each copy counts.
     pub bytes: u64,
     /// Pixels of one image.
     pub pixels: u64,
-    /// Triangles of all objects, an object that shares its mesh counted like any other.
+    /// Triangles of all objects together; each object counts, even if it shares its mesh with another.
     pub triangles: u64,
-    /// Whether a mesh's material libraries and textures are followed anywhere, not only into its
-    /// own folder and the one above.
+    /// Whether references to material libraries and textures may lead to any folder. Otherwise they are confined to
+    /// the mesh's own folder and its parent.
     pub follow_anywhere: bool,
-    /// What is up in a mesh file that is read for itself, and does not say; scene files say it for
-    /// their objects.
+    /// The up axis of a mesh file that is read by itself and does not define one. Scene files set it for each
+    /// object.
     pub up_axis: UpAxis,
 }
 
 impl Default for Limits {
-    /// 4 GiB, 2²⁸ pixels (16384 × 16384) and 2²⁷ triangles; nothing is followed far.
+    /// 4 GiB, 2²⁸ pixels (16384 × 16384), 2²⁷ triangles; references lead only to the mesh's folder and its parent.
     fn default() -> Self {
         Self {
             bytes: 4 << 30,
@@ -37,14 +37,14 @@ impl Default for Limits {
     }
 }
 
-/// Memory that may be taken beside what the process has, and who says so.
+/// A bound on additional memory, and a name for what imposes it, for the error message.
 #[derive(Clone, Debug)]
 struct Memory {
     bytes: u64,
     whose: String,
 }
 
-/// [`Limits`], and what is taken of them so far: one for all the files of a scene.
+/// [`Limits`] and the amounts used so far. All files of a scene share one budget.
 #[derive(Debug, Default)]
 pub struct Budget {
     limits: Limits,
@@ -55,11 +55,11 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Of which nothing is taken.
+    /// A budget with nothing used.
     pub fn new(limits: Limits) -> Self {
         Self {
             limits: Limits {
-                // Their numbers have 32 bits.
+                // Triangle indices are 32 bits wide.
                 triangles: limits.triangles.min(u32::MAX.into()),
                 ..limits
             },
@@ -67,15 +67,16 @@ impl Budget {
         }
     }
 
-    /// The same budget for a reading that ends in [`FormatError::Cancelled`] soon after `cancel` is asked to:
-    /// where it next counts what it holds, within some tenths of a second in files of millions of triangles.
+    /// The same budget, with which reading ends in [`FormatError::Cancelled`] soon after `cancel` is set. It is
+    /// checked whenever memory is counted: within some tenths of a second in files of millions of triangles.
     #[must_use]
     pub fn cancelled_by(self, cancel: Cancel) -> Self {
         Self { cancel, ..self }
     }
 
-    /// The same budget for a reading that ends in [`FormatError::NoMemory`] where it would hold more than so many
-    /// bytes, which `whose` (a process's limit, a machine) leaves beside what the process has by now.
+    /// The same budget, with which reading ends in [`FormatError::NoMemory`] when it would allocate more than
+    /// `bytes`. This is the memory still available beside what the process uses already; `whose` names what sets
+    /// the bound (a process limit, the machine).
     #[must_use]
     pub fn within_memory(self, bytes: u64, whose: impl Into<String>) -> Self {
         let whose = whose.into();
@@ -85,7 +86,7 @@ impl Budget {
         }
     }
 
-    /// Whether to go on reading a file.
+    /// Returns an error if reading `file` was cancelled.
     ///
     /// # Errors
     /// The reading was cancelled.
@@ -98,7 +99,7 @@ impl Budget {
         &self.limits
     }
 
-    /// Takes bytes for `what` of a file, until the share is dropped.
+    /// Reserves bytes for `what` of a file until the share is dropped.
     pub(super) fn share(
         &self,
         file: &Path,
@@ -113,7 +114,7 @@ impl Budget {
         Ok(share)
     }
 
-    /// Counts an object's triangles.
+    /// Adds an object's triangles to the count.
     pub(super) fn add_triangles(&self, file: &Path, count: u64) -> Result<(), FormatError> {
         let sum = self.triangles.get().saturating_add(count);
         if sum > self.limits.triangles {
@@ -123,7 +124,7 @@ impl Budget {
         Ok(())
     }
 
-    /// What is left, for threads that share it.
+    /// The remaining budget, for threads that read one file together.
     pub(super) fn allowance(&self) -> Allowance {
         Allowance {
             limits: self.limits,
@@ -135,12 +136,12 @@ impl Budget {
         }
     }
 
-    /// How many more triangles there may be.
+    /// The number of triangles still allowed.
     pub(super) fn triangles_left(&self) -> u64 {
         self.limits.triangles - self.triangles.get()
     }
 
-    /// How many more bytes there may be.
+    /// The number of bytes still allowed.
     pub(super) fn bytes_left(&self) -> u64 {
         let memory = self.memory.as_ref().map_or(u64::MAX, |memory| memory.bytes);
         memory
@@ -148,7 +149,7 @@ impl Budget {
             .saturating_sub(self.bytes.get())
     }
 
-    /// Holds an image's size against the limit.
+    /// Checks an image's size against the limit.
     pub(super) fn check_pixels(
         &self,
         file: &Path,
@@ -169,29 +170,30 @@ impl Budget {
     }
 }
 
-/// What a [`Budget`] has left, for threads that read one file together. Nothing is taken of the budget itself.
+/// The remainder of a [`Budget`], shared by threads that read one file together. It does not change the budget
+/// itself.
 #[derive(Debug)]
 pub(super) struct Allowance {
     limits: Limits,
     memory: Option<Memory>,
-    /// Taken of the budget when this was asked for.
+    /// Bytes used of the budget when this allowance was made.
     bytes: u64,
     triangles: u64,
-    /// What the threads hold together.
+    /// Bytes held by all threads together.
     held: AtomicU64,
     cancel: Cancel,
 }
 
 impl Allowance {
-    /// How many more triangles there may be.
+    /// The number of triangles still allowed.
     pub(super) fn triangles(&self) -> u64 {
         self.limits.triangles - self.triangles
     }
 
-    /// Counts `more` bytes, held for `what` of a file.
+    /// Counts `more` bytes that are held for `what` of a file.
     ///
     /// # Errors
-    /// More than there may be, of all threads together; the reading was cancelled.
+    /// All threads together exceed the limit; reading was cancelled.
     pub(super) fn hold(&self, file: &Path, what: &str, more: u64) -> Result<(), FormatError> {
         go_on(&self.cancel, file)?;
         let held = self
@@ -202,7 +204,7 @@ impl Allowance {
         check_bytes((&self.limits, &self.memory), file, what, (held, sum))
     }
 
-    /// The error that there are `count` triangles, which are too many.
+    /// The error for a file with `count` triangles, which exceed the limit.
     pub(super) fn too_many_triangles(&self, file: &Path, count: u64) -> FormatError {
         let sum = self.triangles.saturating_add(count);
         too_many_triangles(file, sum, self.limits.triangles)
@@ -221,7 +223,8 @@ fn too_many_triangles(file: &Path, count: u64, most: u64) -> FormatError {
     FormatError::too_much(file, what, "triangles", most)
 }
 
-/// Holds `bytes` for `what` of a file, and their `sum` with all else that is held, against what may be taken.
+/// Checks the `sum` of all bytes held against the limits. `bytes`, the part held for `what` of a file, only goes
+/// into the error message.
 fn check_bytes(
     (limits, memory): (&Limits, &Option<Memory>),
     file: &Path,
@@ -248,7 +251,7 @@ fn check_bytes(
     }
 }
 
-/// Bytes taken of a [`Budget`], given back when this is dropped.
+/// Bytes reserved of a [`Budget`]; dropping the share releases them.
 #[derive(Debug)]
 pub(super) struct Share<'b> {
     budget: &'b Budget,
@@ -256,10 +259,10 @@ pub(super) struct Share<'b> {
 }
 
 impl Share<'_> {
-    /// Makes this a share of `bytes` if it was one of fewer.
+    /// Grows the share to `bytes`; a share that is as large already stays.
     ///
     /// # Errors
-    /// More than the budget has left; the reading was cancelled.
+    /// The budget is exhausted; reading was cancelled.
     pub(super) fn grow(&mut self, file: &Path, what: &str, bytes: u64) -> Result<(), FormatError> {
         self.budget.go_on(file)?;
         let more = bytes.saturating_sub(self.bytes);
@@ -271,12 +274,12 @@ impl Share<'_> {
         Ok(())
     }
 
-    /// Whether to go on reading, as [`Budget::go_on`].
+    /// As [`Budget::go_on`].
     pub(super) fn go_on(&self, file: &Path) -> Result<(), FormatError> {
         self.budget.go_on(file)
     }
 
-    /// Keeps `bytes` of it taken for good, for what stays when reading is over.
+    /// Ends the share, but leaves `bytes` of it reserved for data that outlives reading.
     pub(super) fn keep(mut self, bytes: u64) {
         self.bytes = self.bytes.saturating_sub(bytes);
     }

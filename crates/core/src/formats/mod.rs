@@ -67,10 +67,10 @@ use std::sync::Arc;
 /// Called with the fraction of loading that is done, 0 to 1.
 pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 
-/// The fraction of loading a mesh file that is reading its bytes, for progress.
+/// The fraction of a mesh file's progress that reading its bytes takes; parsing takes the rest.
 const READING: f32 = 0.2;
 
-/// Reads a mesh file; the format is recognised by the content where possible, else by the extension.
+/// Reads a mesh file. The format is recognised by content where possible, otherwise by extension.
 ///
 /// Warnings of [`read_scene`] (about materials that cannot be read) are dropped. The mesh of a glTF or 3MF file is in
 /// its own space, without the transform of its node.
@@ -102,7 +102,7 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     }
 }
 
-/// Reads a prepared mesh straight from its file; `None` of any other file.
+/// Reads a prepared mesh directly from its file; `None` for any other format.
 fn read_prepared(
     path: &Path,
     disk: &Disk<'_>,
@@ -123,7 +123,7 @@ pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
     read_texture_within(path, &Budget::default())
 }
 
-/// As [`read_texture`], within a budget of the caller's.
+/// As [`read_texture`], within the caller's budget.
 ///
 /// # Errors
 /// As [`read_texture`]; an exhausted budget.
@@ -141,7 +141,7 @@ pub fn read_scene(path: &Path, progress: Progress<'_>) -> Result<SceneFile, Form
     read_scene_within(path, &Budget::default(), progress)
 }
 
-/// As [`read_scene`], within a budget of the caller's, which several files may share.
+/// As [`read_scene`], within the caller's budget, which several files may share.
 ///
 /// # Errors
 /// As [`read_scene`]; an exhausted budget.
@@ -197,13 +197,13 @@ pub fn read_scene_within(
     })
 }
 
-/// Reads a scene file's text, and the files that it names from a store of the caller's: `resolve` gives the bytes of
-/// a file by its path relative to the scene, with `/` between its parts. No disk is accessed.
+/// Reads a scene from text. The files that it names come from the caller: `resolve` returns the bytes of a file for
+/// its path relative to the scene, with `/` as the separator. No disk is accessed.
 ///
-/// Errors call the text itself `scene`. The objects' sources are the relative paths.
+/// Error messages call the text `scene`. The objects' sources are the relative paths.
 ///
 /// # Errors
-/// As [`read_scene`]; a file that `resolve` does not have.
+/// As [`read_scene`]; a file for which `resolve` has no bytes.
 pub fn read_scene_from(
     toml_text: &str,
     resolve: &dyn Fn(&str) -> Option<Vec<u8>>,
@@ -274,7 +274,7 @@ mod tests {
         assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
         assert_eq!(shares.last(), Some(&1.0));
 
-        // Saved elsewhere, the scene still finds its files.
+        // A scene saved in another folder still finds its files.
         let text = file
             .to_toml(&folder.0.join("deep"))
             .expect("it can be saved");

@@ -3,6 +3,9 @@
 use super::scene_objects::ANCESTOR_LIMIT;
 use super::scene_read_tests::{WHOLE, files, parse};
 use super::*;
+use crate::camera::LensError;
+use crate::ranges::OutOfRange;
+use crate::shade::{Ground, GroundError};
 
 #[test]
 fn says_where_and_what() {
@@ -131,6 +134,62 @@ fn a_shape_that_is_no_table_gives_an_error_with_the_expected_form() {
         error.to_string(),
         "scene:2: invalid type: string \"cube\", expected a table, as { kind = \"sphere\", radius = 2 }"
     );
+}
+
+#[test]
+fn lenses_eyes_and_the_ground_are_refused_in_the_words_of_their_ranges() {
+    let camera = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n";
+    let refusal = |text: &str| {
+        let error = read_scene_from(text, &files).expect_err(text);
+        error.to_string()
+    };
+    let stereo = |more: &str| format!("[image]\nstereo = {{ kind = \"pair\", {more} }}\n");
+    for (text, line, expected) in [
+        (
+            format!("{camera}lens = [1, 2]\n"),
+            4,
+            LensError::Count.to_string(),
+        ),
+        (
+            format!("{camera}lens = [1e308, 0, 0, 0, 0]\n"),
+            4,
+            OutOfRange::Lens {
+                found: [1e308, 0.0, 0.0, 0.0, 0.0],
+            }
+            .to_string(),
+        ),
+        (
+            stereo("eye-distance = -1"),
+            2,
+            OutOfRange::EyeDistance(-1.0).to_string(),
+        ),
+        (
+            stereo("eye-distance = 1, convergence = 0"),
+            2,
+            OutOfRange::Convergence(0.0).to_string(),
+        ),
+        (
+            "[shading]\nground = \"middle\"\n".to_owned(),
+            2,
+            GroundError::Word.to_string(),
+        ),
+        (
+            "[shading]\nground = 1e300\n".to_owned(),
+            2,
+            OutOfRange::Ground(1e300).to_string(),
+        ),
+        (
+            "[shading]\nground = \"-1e300\"\n".to_owned(),
+            2,
+            OutOfRange::Ground(-1e300).to_string(),
+        ),
+    ] {
+        assert_eq!(refusal(&text), format!("scene:{line}: {expected}"));
+    }
+    let ground = |text: &str| parse(text).shading.expect("shading").ground;
+    assert_eq!(ground("[shading]\nground = -2\n"), Some(Ground::At(-2.0)));
+    let lowest = "[shading]\nground = \"lowest\"\n";
+    assert_eq!(ground(lowest), Some(Ground::Lowest));
 }
 
 #[test]

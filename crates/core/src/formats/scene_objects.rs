@@ -342,7 +342,7 @@ impl Reader<'_> {
         } = table.get_ref().clone();
         let camera = CameraToml {
             projection: ProjectionToml::default(),
-            lens: lens.clone(),
+            lens,
             eye,
             target,
             up,
@@ -360,7 +360,7 @@ impl Reader<'_> {
                 Some(shift) => self.in_range(shift, ranges::shift(*shift.get_ref()))?,
                 None => [0.0; 2],
             },
-            lens: lens.map(|lens| *lens.get_ref()),
+            lens: (camera.projection.lens()).map(|lens| lens.coefficients()),
         })
     }
 

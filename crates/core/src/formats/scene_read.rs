@@ -7,8 +7,8 @@ use super::mesh_file;
 use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};
 use super::scene_toml::{
-    AnimationToml, BackgroundToml, CameraToml, ClipToml, ImageToml, ProjectionToml, SceneToml,
-    ShadingToml, VERSION, VersionToml,
+    AnimationToml, BackgroundToml, CameraToml, ClipToml, GroundToml, ImageToml, ProjectionToml,
+    SceneToml, ShadingToml, VERSION, VersionToml,
 };
 use crate::camera::{
     BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection, Stereo,
@@ -188,8 +188,9 @@ impl Reader<'_> {
                 let found = "`lens`, which is for perspective cameras";
                 return Err(self.fault(lens, "another key", found));
             }
-            projection =
-                Projection::through(self.in_range(lens, BrownConrady::new(*lens.get_ref()))?);
+            projection = Projection::through(
+                self.in_range(lens, BrownConrady::try_from(&lens.get_ref()[..]))?,
+            );
         }
         let misplaced = |value: &Spanned<f64>, key, other| {
             let found = format!("`{key}`, which is for {other} cameras");
@@ -390,7 +391,13 @@ impl Reader<'_> {
             scale: self.scale(file)?,
             back_faces: file.back_faces.map(|color| color.0),
             ground: match &file.ground {
-                Some(ground) => Some(self.in_range(ground, ground.get_ref().parse::<Ground>())?),
+                Some(ground) => Some(self.in_range(
+                    ground,
+                    match ground.get_ref() {
+                        GroundToml::Text(text) => text.parse(),
+                        GroundToml::Number(height) => Ground::at(*height),
+                    },
+                )?),
                 None => None,
             },
             x_ray_opacity: match &file.x_ray_opacity {

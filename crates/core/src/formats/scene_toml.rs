@@ -43,7 +43,7 @@ pub(super) struct CameraToml {
     pub(super) projection: ProjectionToml,
     /// The lens of a perspective camera: k1, k2, p1, p2, k3.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) lens: Option<Spanned<[f64; 5]>>,
+    pub(super) lens: Option<Spanned<Vec<f64>>>,
     pub(super) eye: Spanned<[f64; 3]>,
     pub(super) target: Spanned<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -194,7 +194,7 @@ pub(super) struct ShadingToml {
     pub(super) back_faces: Option<ColorToml>,
     /// `lowest`, or a height.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) ground: Option<Spanned<String>>,
+    pub(super) ground: Option<Spanned<GroundToml>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) x_ray_opacity: Option<Spanned<f32>>,
 }
@@ -281,10 +281,18 @@ pub(super) struct PhotographToml {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) shift: Option<Spanned<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) lens: Option<Spanned<[f64; 5]>>,
+    pub(super) lens: Option<Spanned<Vec<f64>>>,
 }
 
-/// A shape by its parameters; defaults are one unit, and enough parts to look round.
+/// Where the ground lies: `"lowest"` or a height, which is written as text and may be a number.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(untagged, expecting = "\"lowest\" or a height")]
+pub(super) enum GroundToml {
+    Number(f64),
+    Text(String),
+}
+
+/// A shape by its parameters; the defaults are those of [`Shape::ALL`].
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(
     tag = "kind",
@@ -294,15 +302,15 @@ pub(super) struct PhotographToml {
 )]
 pub(super) enum ShapeToml {
     Cube {
-        #[serde(default = "ones")]
+        #[serde(default = "lengths")]
         size: [f64; 3],
     },
     Plane {
-        #[serde(default = "ones")]
+        #[serde(default = "lengths")]
         size: [f64; 2],
     },
     Sphere {
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         radius: f64,
         #[serde(default = "segments")]
         segments: u32,
@@ -310,25 +318,25 @@ pub(super) enum ShapeToml {
         rings: u32,
     },
     Cone {
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         radius: f64,
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         height: f64,
         #[serde(default = "segments")]
         segments: u32,
     },
     Cylinder {
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         radius: f64,
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         height: f64,
         #[serde(default = "segments")]
         segments: u32,
     },
     Torus {
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         radius: f64,
-        #[serde(default = "quarter")]
+        #[serde(default = "tube")]
         tube: f64,
         #[serde(default = "segments")]
         segments: u32,
@@ -336,31 +344,31 @@ pub(super) enum ShapeToml {
         rings: u32,
     },
     Disc {
-        #[serde(default = "one")]
+        #[serde(default = "length")]
         radius: f64,
         #[serde(default = "segments")]
         segments: u32,
     },
 }
 
-fn one() -> f64 {
-    1.0
+fn length() -> f64 {
+    Shape::LENGTH
 }
 
-fn ones<const N: usize>() -> [f64; N] {
-    [1.0; N]
+fn lengths<const N: usize>() -> [f64; N] {
+    [Shape::LENGTH; N]
 }
 
-fn quarter() -> f64 {
-    0.25
+fn tube() -> f64 {
+    Shape::TUBE
 }
 
 fn segments() -> u32 {
-    64
+    Shape::SEGMENTS
 }
 
 fn rings() -> u32 {
-    32
+    Shape::RINGS
 }
 
 /// Conversions between the same variants, field by field, in both directions.

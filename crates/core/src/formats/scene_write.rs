@@ -2,9 +2,9 @@ use super::files::relative;
 use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, ImageToml, ObjectToml,
-    PhotographToml, ProjectionToml, SceneToml, ShadingToml, StereoToml, Transparent, VERSION,
-    WrapToml,
+    BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, GroundToml, ImageToml,
+    ObjectToml, PhotographToml, ProjectionToml, SceneToml, ShadingToml, StereoToml, Transparent,
+    VERSION, WrapToml,
 };
 use crate::camera::Projection;
 use crate::quote::shorten;
@@ -114,7 +114,7 @@ fn camera_table(camera: &CameraFile) -> CameraToml {
     };
     CameraToml {
         projection: ProjectionToml(camera.projection),
-        lens: (camera.projection.lens()).map(|lens| spanned(lens.coefficients())),
+        lens: (camera.projection.lens()).map(|lens| spanned(lens.coefficients().to_vec())),
         eye: spanned(camera.placement.eye.to_array()),
         target: spanned(camera.placement.target.to_array()),
         up: Some(spanned(camera.placement.up.to_array())),
@@ -157,7 +157,7 @@ fn shading_table(shading: &Shading) -> ShadingToml {
         color_range: shading.scale.and_then(|scale| scale.range).map(spanned),
         legend: shading.scale.filter(|scale| scale.legend).map(|_| true),
         back_faces: shading.back_faces.map(ColorToml),
-        ground: shading.ground.map(|ground| spanned(ground.to_string())),
+        ground: (shading.ground).map(|ground| spanned(GroundToml::Text(ground.to_string()))),
         x_ray_opacity: (shading.x_ray_opacity != Shading::X_RAY_OPACITY)
             .then(|| spanned(shading.x_ray_opacity)),
     }
@@ -277,7 +277,7 @@ fn photograph_toml(photograph: &Photograph) -> PhotographToml {
         up: Some(spanned(up.to_array())),
         fov: Some(spanned(fov)),
         shift: (shift != [0.0; 2]).then(|| spanned(shift)),
-        lens: lens.map(spanned),
+        lens: lens.map(|lens| spanned(lens.to_vec())),
     }
 }
 

@@ -89,6 +89,15 @@ fn a_matrix_places_an_object_and_is_saved_with_its_bits() {
 }
 
 #[test]
+fn shapes_without_numbers_are_those_of_the_one_list() {
+    for shape in Shape::ALL {
+        let kind = shape.name();
+        let text = format!("[[object]]\nshape = {{ kind = \"{kind}\" }}\n");
+        assert_eq!(parse(&text).scene.objects[0].shape, Some(shape));
+    }
+}
+
+#[test]
 fn shapes_are_made_from_their_numbers_and_saved_as_them() {
     let text = "[[object]]\nshape = { kind = \"sphere\", radius = 2, rings = 4 }\n\n\
         [[object]]\nname = \"box\"\nshape = { kind = \"cube\", size = [1, 2, 0.1] }\nparent = \"ring\"\n\n\

@@ -1,7 +1,7 @@
 //! Packets against single rays, brute force and each other.
 
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, HitNumbers, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::math;
@@ -349,12 +349,12 @@ fn occluded_triangles_need_not_be_ordered() {
     ];
     let in_one_plane = [in_plane, far[1], far[2]];
     let triangles = [far, other, near, in_one_plane];
-    let open = |shown: &[usize]| {
+    let open = |shown: &[usize], precision: Precision| {
         let positions = shown.iter().flat_map(|&at| triangles[at]).collect();
         let numbers = (0..shown.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
         let accel = build([mesh(positions, numbers.collect())]);
         let lattice = whole(front(DVec3::ZERO, 20.0, 0.03, Projection::Perspective));
-        let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut Vec::new());
+        let counts = accel.find(&lattice, Cull::None, precision, &mut Vec::new());
         counts.double_rays + counts.exact_rays
     };
     for order in [
@@ -366,11 +366,13 @@ fn occluded_triangles_need_not_be_ordered() {
         [2, 1, 0],
     ] {
         let without: Vec<_> = order.into_iter().filter(|&at| at != 2).collect();
-        assert!(open(&without) > 500, "{order:?}");
-        assert!(open(&order) < 10, "{order:?}");
+        // Fast casting does not order triangles by their planes.
+        assert!(open(&without, Precision::Fast) > 500, "{order:?}");
+        assert!(open(&order, Precision::Fast) < 10, "{order:?}");
+        assert!(open(&without, Precision::Exact) < 10, "{order:?}");
     }
     // Triangles in exactly one plane are ordered once, not once a ray.
-    assert!(open(&[0, 3]) < 10);
+    assert!(open(&[0, 3], Precision::Exact) < 10);
 }
 
 #[test]
@@ -390,4 +392,64 @@ fn every_instruction_set_gives_the_same_bits() {
     };
     let plain = cast(Simd::Plain);
     assert_eq!(plain, cast(Simd::Avx2));
+}
+
+/// Layers of triangles some units in the last place apart, that cross one another; seen from all sides, from next to a
+/// corner that all have, and with coordinates that are zero but for subnormal numbers. With the order of planes exchanged,
+/// or cells taken for occluded by a triangle that does not cover them, this fails; and without that order, or with one
+/// scale for all edges of a triangle with a corner next to the eye, rays are left undecided.
+#[test]
+fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
+    let mut random = Random(75);
+    let base = [
+        DVec3::new(-1.0, -1.0, 0.1),
+        DVec3::new(1.1, -1.0, 0.2),
+        DVec3::new(0.1, 1.2, 0.3),
+    ];
+    for (flat, tilt) in [(false, 0.0), (false, 0.3), (true, 0.0)] {
+        let mut jitter = |x: f64| {
+            let steps = (random.signed() * 4.0).round() as i32;
+            let step = |x: f32| {
+                if steps < 0 {
+                    x.next_down()
+                } else {
+                    x.next_up()
+                }
+            };
+            (0..steps.abs()).fold(x as f32, |x, _| step(x)).into()
+        };
+        let layers: Vec<DVec3> = (0..300)
+            .flat_map(|_| base)
+            .map(|corner| {
+                let corner = DVec3::new(corner.x + tilt * corner.z, corner.y, corner.z);
+                let corner = if flat { corner.with_z(0.0) } else { corner };
+                DVec3::from_array(corner.to_array().map(&mut jitter))
+            })
+            .collect();
+        let triangles = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let accel = build([mesh(layers, triangles)]);
+        let (mut hits, mut most_shown) = (0, 0);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for (eye, target) in [
+                (DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO),
+                (DVec3::new(2.0, 1.0, -1.5), DVec3::new(0.0, 0.0, 0.2)),
+                // Next to the first corner.
+                (base[0] + DVec3::new(1e-6, 2e-6, 1e-5), base[0] - DVec3::Z),
+            ] {
+                let up = DVec3::Y;
+                let distance = eye.distance(target);
+                let plane = ImagePlane::new(70, 50, 0.03 * distance).expect("a good plane");
+                let camera = Camera::new(Placement { eye, target, up }, projection, plane);
+                hits += assert_tiles_equal_rays(&accel, camera);
+                let mut found = Vec::new();
+                let counts = accel.find(&whole(camera), Cull::None, Precision::Exact, &mut found);
+                let undecided = counts.double_rays + counts.exact_rays;
+                assert!(undecided <= 40, "{counts:?} {camera:?}");
+                found.sort_unstable();
+                found.dedup();
+                most_shown = most_shown.max(found.len());
+            }
+        }
+        assert!(hits > 1500 && most_shown > 2, "{hits} {most_shown}");
+    }
 }

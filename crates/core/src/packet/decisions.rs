@@ -1,9 +1,11 @@
-//! Exact decisions about triangles that hold for all rays of a lattice, each made once.
+//! Decisions about triangles that hold for all rays of a lattice, or of a packet, each made once.
 
+use super::plane_order::{PlacesWithin, PlaneOrders};
+use super::setup::PacketSpace;
 use crate::bvh::Accel;
 use crate::camera::Camera;
 use crate::hit::Precision;
-use crate::num::simd::Simd;
+use crate::num::simd::{LANES, Simd};
 use crate::triangle::clip::{AtCorners, Clip};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
@@ -15,6 +17,7 @@ pub(crate) struct Decisions<'a> {
     clip: &'a Clip,
     edge_on: EdgeOn,
     coplanar: Coplanar,
+    plane_orders: PlaneOrders,
     /// With fast casting, triangles of one plane are ordered by their rounded distances.
     precision: Precision,
 }
@@ -31,6 +34,7 @@ impl<'a> Decisions<'a> {
             clip,
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
+            plane_orders: PlaneOrders::new(),
             precision,
         }
     }
@@ -73,5 +77,36 @@ impl<'a> Decisions<'a> {
                 .are(a, b, |primitive| self.accel.corners(primitive));
         let id = |primitive: u32| self.accel.id(primitive);
         is_one_plane.then(|| if id(a) < id(b) { a } else { b })
+    }
+
+    /// Begins a packet.
+    pub(super) fn set_rays(&mut self, space: &PacketSpace) {
+        self.plane_orders.set_rays(space);
+    }
+
+    /// Of eight rays, as bits, those for which the first of two triangles is surely nearer where they hit both, and
+    /// those for which the second is.
+    #[inline(never)]
+    pub(super) fn order_of_eight(
+        &mut self,
+        pair: [u32; 2],
+        places: (&[f32; LANES], &[f32; LANES]),
+    ) -> [u32; 2] {
+        if self.precision == Precision::Fast {
+            return [0; 2];
+        }
+        let corners = |primitive: u32| self.accel.corners(primitive);
+        self.plane_orders.of_eight(pair, places, corners)
+    }
+
+    /// Whether the first of two triangles is the closer hit for all rays of a box of places that hit both.
+    #[inline(never)]
+    pub(super) fn is_first_within(&mut self, pair: [u32; 2], places: &PlacesWithin) -> bool {
+        if self.precision == Precision::Fast {
+            return false;
+        }
+        let corners = |primitive: u32| self.accel.corners(primitive);
+        self.plane_orders.is_first_within(pair, places, corners)
+            || self.first_in_one_plane(pair[0], pair[1]) == Some(pair[0])
     }
 }

@@ -55,6 +55,8 @@ pub(crate) struct IntervalZBuffer {
     hi_z: [f32; CELLS * CELLS],
     /// Cells whose hi-z may be out of date, as bits.
     dirty: u32,
+    /// For each cell, how many times depths left the order of two triangles undecided in a row of it.
+    contested: [u8; CELLS * CELLS],
     /// For each undecided ray, the triangles that it is undecided between.
     rivals: Rivals,
     /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
@@ -69,6 +71,7 @@ impl IntervalZBuffer {
             primitives: [MISS; RAYS],
             hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
             dirty: 0,
+            contested: [0; CELLS * CELLS],
             rivals: Rivals::default(),
             begin: f32::INFINITY,
         }
@@ -83,6 +86,7 @@ impl IntervalZBuffer {
         self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
+        self.contested = [0; CELLS * CELLS];
         self.rivals.clear();
         self.begin = begin;
         let (columns, rows) = (columns as usize, rows as usize);
@@ -223,6 +227,11 @@ impl IntervalZBuffer {
             self.hi_z[cell] = least.reduce_min();
         }
     }
+}
+
+/// The cell of a ray.
+fn cell_of(ray: usize) -> usize {
+    ray / (SIDE * ROW) * CELLS + ray % SIDE / ROW
 }
 
 /// The primitive index of a stored entry that is neither undecided nor a miss.

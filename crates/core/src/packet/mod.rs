@@ -18,6 +18,9 @@
 //!    A ray that the intervals do not decide is marked undecided and its rivals are recorded; `cast` lets a single
 //!    ray decide between them. Decisions that hold for all rays are made once (`decisions`).
 //!
+//! Where intervals overlap, the plane of one triangle and the corners of the other order the two for eight rays or a
+//! whole cell (`plane_order`); only rays for which that is not sure either are left undecided.
+//!
 //! With clipping planes, boxes and triangles that the planes remove are skipped on the way, and triangles that they
 //! cut get an additional edge (`interval_zbuffer::cut_triangles`).
 //!
@@ -53,6 +56,7 @@ mod observer;
 mod params;
 mod place_box;
 mod places;
+mod plane_order;
 mod ray_bounds;
 #[cfg(test)]
 mod ray_bounds_tests;

@@ -55,6 +55,7 @@ use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
 use crate::hit::Cull;
 use crate::num::simd::LANES;
+use glam::Vec3;
 pub(crate) use space::PacketSpace;
 
 /// The furthest place from a packet's first ray at which functions are evaluated; rows of lanes may reach beyond the
@@ -72,6 +73,13 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 /// and round each time (32u). Comparing two such values adds the bound to each (2u). 48u covers these and the
 /// higher orders.
 pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
+
+/// The least greatest magnitude of an edge function, compared with those of the triangle's others, at which the three
+/// share a scale. A triangle with a corner next to the eye is below it: in the scale of the opposite edge's function
+/// the other two are within [`LINEAR_ERROR`] of zero, and leave all rays undecided. With a greater limit more triangles
+/// are set up twice; with a lesser one up to that share of a triangle's rays, 48·2⁻²⁴ over the limit, is left undecided
+/// along an edge.
+const UNBALANCED: f64 = 1.0 / (1 << 12) as f64;
 
 /// Corner coordinates of eight triangles in structure-of-arrays order: x, y and z of the first corner, of the
 /// second, of the third.
@@ -114,6 +122,26 @@ impl TriangleSetup {
 }
 
 impl PacketSpace {
+    /// A triangle's edge functions in double precision, positive inside, over the whole packet; and the bound on their
+    /// error. `None` where it is not sure which side of the triangle the packet sees.
+    pub(super) fn edges_in_double(&self, corners: [Vec3; 3]) -> Option<([Linear; 3], f64)> {
+        let [a, b, c] = corners.map(|corner| self.map_point(corner));
+        let triangle = PacketTriangle::new(a, b, c);
+        let size = self.size_of(&triangle);
+        let plane = self.plane(&triangle, &size);
+        // NaN fails this comparison.
+        let is_clear = plane.facing.abs() > plane.facing_error;
+        if !is_clear {
+            return None;
+        }
+        let edges = self.edge_functions(&triangle, plane.facing.signum());
+        let [e, f, g] = edges.map(Linear::slope);
+        Some((
+            edges,
+            self.edge_error(&size) + self.ray_error * max(max(e, f), g),
+        ))
+    }
+
     /// Sets up eight triangles, each for the rays of its bounds.
     #[inline(always)]
     pub(crate) fn set_up(&self, corners: &CornerLanes, boxes: &[RayBox; LANES]) -> TriangleSetup {
@@ -145,7 +173,9 @@ impl PacketSpace {
             let edges = self.edge_functions(&triangle, sign);
             let edges = edges.map(|edge| edge.moved(&span));
             let [e0, e1, e2] = edges;
-            let magnitude = max(max(e0.size(&span), e1.size(&span)), e2.size(&span));
+            let sizes = [e0.size(&span), e1.size(&span), e2.size(&span)];
+            let magnitude = max(max(sizes[0], sizes[1]), sizes[2]);
+            let least = min(min(sizes[0], sizes[1]), sizes[2]);
             let steepest = max(max(e0.slope(), e1.slope()), e2.slope());
             let unit = 1.0 / magnitude;
             let edge_error = self.edge_error(&size) + self.ray_error * steepest;
@@ -175,8 +205,9 @@ impl PacketSpace {
                 & (key_error < f64::from(f32::MAX))
                 & (spread < f64::from(f32::MAX));
             out.ill_conditioned[l] = !(clear & sound);
-            let smooth =
-                (edge_error < 2.5 * LINEAR_ERROR) & (key_error < 2.5 * LINEAR_ERROR * spread);
+            let smooth = (edge_error < 2.5 * LINEAR_ERROR)
+                & (key_error < 2.5 * LINEAR_ERROR * spread)
+                & (least > UNBALANCED * magnitude);
             out.is_rough[l] = !(clear & sound & smooth);
         }
         out
@@ -286,7 +317,11 @@ impl PacketTriangle {
     #[inline(always)]
     fn of(corners: &[[f64; LANES]; 9], l: usize) -> Self {
         let corner = |k: usize| [corners[k][l], corners[k + 1][l], corners[k + 2][l]];
-        let (a, b, c) = (corner(0), corner(3), corner(6));
+        Self::new(corner(0), corner(3), corner(6))
+    }
+
+    #[inline(always)]
+    fn new(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Self {
         let from_a = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
         let (u, v) = (from_a(b), from_a(c));
         let n = [
@@ -368,7 +403,7 @@ impl Span {
 }
 
 /// A linear function of a ray's place.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Linear {
     pub(super) constant: f64,
     pub(super) x: f64,
@@ -402,9 +437,14 @@ impl Linear {
 
     /// The greatest change from ray to ray.
     #[inline(always)]
-    fn slope(self) -> f64 {
+    pub(super) fn slope(self) -> f64 {
         self.x.abs() + self.y.abs()
     }
+}
+
+#[inline(always)]
+fn min(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 #[inline(always)]

@@ -237,6 +237,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 }
                 if !begun {
                     begun = true;
+                    self.decisions.set_rays(&space);
                     zbuffer.clear(lanes, part.columns, part.rows, self.begin());
                 }
                 let corners = self.corners(lanes, self.batch.primitives());

@@ -8,7 +8,7 @@ use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
 use crate::hit::{Detail, HitNumbers, MISS, PrimitiveHit};
 use crate::hits::Hits;
 use crate::picture::{Layers, Strip};
-use crate::shade::{self, Cut, Section, Shader, Shown, TileShader};
+use crate::shade::{self, Channels, Cut, Section, Shader, Shown, TileShader};
 use std::time::Duration;
 
 /// A tile as far as it has come.
@@ -196,24 +196,22 @@ impl Job {
             let sums = &mut self.sums;
             let cut = work.cut(&lattice);
             work.shade(|buffers| {
-                let rows = sums.chunks_mut(lattice.columns.max(1) as usize);
-                for (row, sums) in (0..).zip(rows) {
-                    let behind = buffers.shader.shader().behind_row(lattice.place(0, row).1);
-                    for (column, sum) in (0..).zip(sums) {
-                        let at = (row * lattice.columns + column) as usize;
-                        let hit = buffers.hits.get(at);
-                        let place = lattice.place(column, row);
-                        let cut = cut.as_ref().and_then(|(s, all)| s.color(all[at]));
-                        let color = cut.or_else(|| buffers.beyond_the_nearest(place, &hit));
-                        let color = color.or_else(|| behind.filter(|_| hit.is_miss()));
-                        let (x, y) = place;
-                        let [r, g, b, a] =
-                            color.unwrap_or_else(|| buffers.shader.color(x, y, &hit));
-                        let light = [r * a, g * a, b * a, a];
-                        *sum =
-                            std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
+                let mut light = std::mem::take(&mut buffers.light);
+                if buffers.takes_other_rays() {
+                    buffers.light_of_other_rays(&lattice, &mut light);
+                } else {
+                    buffers.shader.light(&lattice, &buffers.hits, &mut light);
+                }
+                if let Some((section, shown)) = &cut {
+                    for (light, &shown) in light.iter_mut().zip(shown) {
+                        *light = section.color(shown).unwrap_or(*light);
                     }
                 }
+                for (sum, &[r, g, b, a]) in sums.iter_mut().zip(&light) {
+                    let light = [r * a, g * a, b * a, a];
+                    *sum = std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
+                }
+                buffers.light = light;
             });
             if index == 0 && work.view.settings.layers {
                 let layers = work.layers(&lattice);
@@ -232,13 +230,14 @@ impl Job {
             let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, alpha));
             [r, g, b, alpha]
         };
-        for (pixel, sum) in self.pixels.iter_mut().zip(&self.sums) {
-            *pixel = shade::encode_premultiplied(mean(sum));
-        }
-        if let Some(layers) = &mut self.layers {
-            layers.color.clear();
-            layers.color.extend(self.sums.iter().map(mean));
-        }
+        let means = match &mut self.layers {
+            Some(layers) => &mut layers.color,
+            None => &mut work.buffers.light,
+        };
+        means.clear();
+        means.extend(self.sums.iter().map(mean));
+        let simd = work.view.accel.simd();
+        shade::encode_all_premultiplied(simd, means, &mut self.pixels);
     }
 
     /// The tile as it stands.
@@ -272,6 +271,8 @@ impl Job {
 #[derive(Debug)]
 pub(super) struct Buffers<'s> {
     hits: Hits,
+    /// Colours of one sample a pixel.
+    light: Vec<[f32; 4]>,
     shader: TileShader<'s>,
     /// Where surfaces let through what lies behind them.
     compositor: Option<Compositor<'s>>,
@@ -284,9 +285,27 @@ impl<'s> Buffers<'s> {
         let compositor = |translucent| Compositor::new(view, translucent, shader.masks());
         Self {
             hits: Hits::default(),
+            light: Vec::new(),
             shader: shader.tile(),
             compositor: shader.translucent().map(compositor),
             photographs: (shader.has_photographs()).then(|| Photographs::new(view, shader.masks())),
+        }
+    }
+
+    /// Whether samples may take other rays than the one that hits the nearest triangle.
+    fn takes_other_rays(&self) -> bool {
+        self.compositor.is_some() || self.photographs.is_some()
+    }
+
+    /// [`TileShader::light`] where samples may take other rays.
+    fn light_of_other_rays(&mut self, lattice: &Lattice, light: &mut Vec<[f32; 4]>) {
+        light.clear();
+        for at in 0..lattice.len() {
+            let columns = lattice.columns as usize;
+            let (x, y) = lattice.place((at % columns) as u32, (at / columns) as u32);
+            let hit = self.hits.get(at);
+            let beyond = self.beyond_the_nearest((x, y), &hit);
+            light.push(beyond.unwrap_or_else(|| self.shader.color(x, y, &hit)));
         }
     }
 
@@ -450,7 +469,7 @@ impl<'a, 's> Work<'a, 's> {
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        if self.buffers.compositor.is_none() && self.buffers.photographs.is_none() {
+        if !self.buffers.takes_other_rays() {
             return self.shade_nearest(lattice, rect, rows);
         }
         let mut rows: Vec<_> = rows.collect();
@@ -544,15 +563,14 @@ impl<'a, 's> Work<'a, 's> {
         let begin = (self.clock)();
         let Buffers { hits, shader, .. } = &mut *self.buffers;
         let mut layers = Layers::blank(hits.len());
-        let places = (0..lattice.rows).flat_map(|y| (0..lattice.columns).map(move |x| (x, y)));
-        let hits = hits.iter().zip(places).enumerate();
-        for (at, (hit, (column, row))) in hits.filter(|(_, (hit, _))| !hit.is_miss()) {
-            let (x, _) = lattice.place(column, row);
-            let ([object, triangle], normal, uv) = shader.surface(x, &hit);
-            (layers.object[at], layers.triangle[at]) = (object, triangle);
-            (layers.normal[at], layers.uv[at]) = (normal, uv);
-            layers.depth[at] = hit.t;
-        }
+        let channels = Channels {
+            depth: &mut layers.depth,
+            object: &mut layers.object,
+            triangle: &mut layers.triangle,
+            normal: &mut layers.normal,
+            uv: &mut layers.uv,
+        };
+        shader.channels(lattice, hits, channels);
         self.stats.shade += self.since(begin);
         layers
     }

@@ -189,7 +189,12 @@ impl Scene {
             .collect()
     }
 
-    fn world_from_object(&self, index: usize) -> Result<DAffine3, SceneError> {
+    /// The map from an object's own space to the world's, its parents included: in time proportional to their number.
+    ///
+    /// # Errors
+    /// As [`Scene::world_from_objects`], and an object that does not exist.
+    pub fn world_from_object(&self, index: usize) -> Result<DAffine3, SceneError> {
+        let name = || (self.objects.get(index)).map_or_else(String::new, |it| shorten(&it.name));
         let mut world_from_object = DAffine3::IDENTITY;
         let mut next = Some(index);
         for _ in 0..=self.objects.len() {
@@ -197,22 +202,16 @@ impl Scene {
                 return if world_from_object.is_finite() {
                     Ok(world_from_object)
                 } else {
-                    Err(SceneError::BadTransform {
-                        object: shorten(&self.objects[index].name),
-                    })
+                    Err(SceneError::BadTransform { object: name() })
                 };
             };
             let Some(object) = self.objects.get(ancestor) else {
-                return Err(SceneError::NoSuchParent {
-                    object: shorten(&self.objects[index].name),
-                });
+                return Err(SceneError::NoSuchParent { object: name() });
             };
             world_from_object = object.transform.parent_from_object() * world_from_object;
             next = object.parent;
         }
-        Err(SceneError::ParentCycle {
-            object: shorten(&self.objects[index].name),
-        })
+        Err(SceneError::ParentCycle { object: name() })
     }
 
     /// All triangles, dropped ones included.
@@ -257,5 +256,40 @@ impl Scene {
             .map(|texture| (Arc::as_ptr(texture), texture.level_bytes()))
             .collect();
         distinct.values().sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::MeshData;
+    use glam::DVec3;
+
+    #[test]
+    fn one_object_is_placed_as_among_all_and_faults_are_errors() {
+        let mesh = Arc::new(Mesh::new(MeshData::default()));
+        let object = |parent, x: f64| {
+            let mut object = Object::new("o", Arc::clone(&mesh));
+            object.parent = parent;
+            object.transform.translate = DVec3::X * x;
+            object.transform.rotate = DVec3::Z * 30.0;
+            object
+        };
+        let mut scene = Scene {
+            objects: vec![
+                object(Some(2), 1.0),
+                object(None, 2.0),
+                object(Some(1), 4.0),
+            ],
+        };
+        let all = scene.world_from_objects().expect("valid transforms");
+        for (index, expected) in all.iter().enumerate() {
+            assert_eq!(scene.world_from_object(index).as_ref(), Ok(expected));
+        }
+        assert!(scene.world_from_object(3).is_err());
+        scene.objects[1].parent = Some(7);
+        assert!(scene.world_from_object(0).is_err());
+        scene.objects[1].parent = Some(0);
+        assert!(scene.world_from_object(0).is_err());
     }
 }

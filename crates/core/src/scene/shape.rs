@@ -70,6 +70,50 @@ pub struct ShapeError {
 }
 
 impl Shape {
+    /// A length where none is given.
+    pub const LENGTH: f64 = 1.0;
+    /// The radius of a torus's tube where none is given.
+    pub const TUBE: f64 = 0.25;
+    /// Segments where none are given: enough to look round.
+    pub const SEGMENTS: u32 = 64;
+    /// Rings where none are given.
+    pub const RINGS: u32 = 32;
+
+    /// Each kind with the numbers that it has where none is given.
+    pub const ALL: [Self; 7] = [
+        Self::Cube {
+            size: DVec3::splat(Self::LENGTH),
+        },
+        Self::Plane {
+            size: DVec2::splat(Self::LENGTH),
+        },
+        Self::Sphere {
+            radius: Self::LENGTH,
+            segments: Self::SEGMENTS,
+            rings: Self::RINGS,
+        },
+        Self::Cone {
+            radius: Self::LENGTH,
+            height: Self::LENGTH,
+            segments: Self::SEGMENTS,
+        },
+        Self::Cylinder {
+            radius: Self::LENGTH,
+            height: Self::LENGTH,
+            segments: Self::SEGMENTS,
+        },
+        Self::Torus {
+            radius: Self::LENGTH,
+            tube: Self::TUBE,
+            segments: Self::SEGMENTS,
+            rings: Self::RINGS,
+        },
+        Self::Disc {
+            radius: Self::LENGTH,
+            segments: Self::SEGMENTS,
+        },
+    ];
+
     /// The most segments, or rings.
     pub const PARTS: u32 = 1 << 14;
 

@@ -1,198 +1,200 @@
-//! Eight pixels of a row at once, of modes whose colours follow from the triangle and from t, u and v by few operations.
+//! Eight samples of a row at once, in modes whose colours follow from the triangle and from t, u and v by few operations.
 //!
-//! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that the bytes
-//! are the same.
+//! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
+//! are the same to the bit.
 
+use super::edges::LineStyle;
 use super::eight_colors::EightColors;
-use super::facet::Facet;
+use super::hit_rows::{EightHits, HitRows};
 use super::reflection::Surfaces;
-use super::smooth::{Facets, Row, Rows, Vectors};
-use super::tile::{on, within};
+use super::smooth::{Facets, Rows, Vectors};
+use super::tile::within;
 use super::tile_rays::TileRays;
 use super::{TileShader, srgb};
-use crate::camera::Rect;
+use crate::camera::{Lattice, Rect};
+use crate::hits::{any_misses, runs};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
-use crate::{Hits, MISS, PrimitiveHit};
+use crate::{Hits, MISS};
 use glam::Vec3;
 
-/// What eight rays of a row hit, and where.
-struct EightHits<'h> {
-    primitives: &'h [u32; LANES],
-    t: &'h Row,
-    u: &'h Row,
-    v: &'h Row,
-}
-
-impl<'h> EightHits<'h> {
-    /// Those from a number on; `None` where there are fewer.
-    #[inline(always)]
-    fn of(hits: &'h Hits, first: usize) -> Option<Self> {
-        Some(Self {
-            primitives: hits.primitives.get(first..)?.first_chunk()?,
-            t: hits.t.get(first..)?.first_chunk()?,
-            u: hits.u.get(first..)?.first_chunk()?,
-            v: hits.v.get(first..)?.first_chunk()?,
-        })
-    }
+/// Opaque colours of eight samples.
+enum Eight<L: Lanes> {
+    /// Linear light.
+    Light(Vectors<L>),
+    /// Numbers to be shown, 0 to 1 in sRGB.
+    Display(Vectors<L>),
 }
 
 impl TileShader<'_> {
-    /// [`TileShader::shade`] by eight pixels at once.
+    /// Colours the pixels of `rect`, given as its rows, eight at once.
     pub(super) fn shade_in_eights<'p>(
         &mut self,
         colors: EightColors,
         rect: Rect,
-        hits: &Hits,
+        hits: HitRows<'_>,
         mut rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        let simd = self.shader().simd();
+        let work = ShadeEights {
+            colors,
+            lattice: self.shader().lattice(rect),
+            shader: self,
+            hits,
+            picture: Target::Bytes(&mut rows),
+        };
+        dispatch(simd, work);
+    }
+
+    /// Colours of the samples at a lattice's rays, eight at once: linear light, alpha not multiplied in.
+    pub(super) fn light_in_eights(
+        &mut self,
+        colors: EightColors,
+        lattice: Lattice,
+        hits: &Hits,
+        light: &mut [[f32; 4]],
     ) {
         let simd = self.shader().simd();
         let work = ShadeEights {
             shader: self,
             colors,
-            rect,
-            hits,
-            rows: &mut rows,
+            lattice,
+            hits: HitRows::new(hits),
+            picture: Target::Light(light),
         };
         dispatch(simd, work);
     }
 
-    /// A row in the smooth or the material mode of triangles that have no normals but their own.
+    /// Colours of eight samples of a row, of which one at least shows a triangle. Those that show none get any colour.
     #[inline(always)]
-    pub(super) fn shade_lit_row(
+    fn shade_eight<L: Lanes>(
         &mut self,
-        lanes: impl Lanes,
-        colors: EightColors,
-        tile: &TileRays,
-        (mut left, y): (u32, u32),
-        primitives: &[u32],
-        pixels: &mut [[u8; 4]],
-    ) {
-        let (rows, rest) = primitives.as_chunks();
-        let (pixel_rows, pixels) = pixels.as_chunks_mut();
-        for (primitives, pixels) in rows.iter().zip(pixel_rows) {
-            if *primitives == [MISS; LANES] {
-                pixels.fill(self.shader().backdrop8(y));
-            } else {
-                let place = (left, y);
-                if let EightColors::Material = colors {
-                    let hits = (primitives, (&[0.0; LANES], &[0.0; LANES]));
-                    self.shade_material(lanes, tile, place, hits, pixels);
-                } else {
-                    self.shade_smooth(lanes, tile, place, (primitives, None), pixels);
-                }
-                self.show_behind((left, y), primitives, pixels);
-            }
-            left += LANES as u32;
-        }
-        for (x, (&primitive, pixel)) in (left..).zip(rest.iter().zip(pixels)) {
-            *pixel = self.pixel8(f64::from(x) + 0.5, f64::from(y) + 0.5, &on(primitive));
-        }
-    }
-
-    /// Eight pixels of a row, of which one at least shows a triangle.
-    #[inline(always)]
-    fn shade_eight(
-        &mut self,
-        lanes: impl Lanes,
+        lanes: L,
         colors: EightColors,
         rays: &TileRays,
         place: (u32, u32),
         hits: &EightHits<'_>,
-        pixels: &mut [[u8; 4]; LANES],
-    ) {
+    ) -> Eight<L> {
         let shader = self.shader();
-        let &EightHits {
-            primitives,
-            t,
-            u,
-            v,
-        } = hits;
-        let (u8s, v8s) = (lanes.load(u), lanes.load(v));
-        match colors {
-            EightColors::Own => {
-                let (_, colors) = self.surfaces(lanes, place, (primitives, Some((u, v))));
-                shader.tables.encode_row(lanes, colors, pixels);
+        let (u, v) = hits.load_weights(lanes);
+        let light = match colors {
+            EightColors::Own | EightColors::Flat | EightColors::Smooth | EightColors::Material => {
+                let needs = shader.needs();
+                let is_lit = matches!(colors, EightColors::Smooth | EightColors::Material);
+                let (facets, own) = match (is_lit, needs.varied) {
+                    (true, false) => self.facets_and_colors(lanes, hits.primitives),
+                    (true, true) => {
+                        let facets = self.facets(lanes, hits.primitives);
+                        (facets, self.own_colors(lanes, hits))
+                    }
+                    (false, _) => (Facets::none(lanes), self.own_colors(lanes, hits)),
+                };
+                let surface = if needs.texture {
+                    self.textured(lanes, rays, place, hits, own)
+                } else {
+                    own
+                };
+                match colors {
+                    EightColors::Flat => surface.times(self.flat_light(lanes, hits.primitives)),
+                    EightColors::Smooth => {
+                        let to_eye = rays.to_eye(lanes, shader, place);
+                        surface.times(shader.light(lanes, &facets, hits.weights, to_eye))
+                    }
+                    EightColors::Material => {
+                        let to_eye = rays.to_eye(lanes, shader, place);
+                        let normal = facets.normal_at(lanes, u, v);
+                        self.reflected(lanes, hits.primitives, surface, normal, to_eye)
+                    }
+                    _ => surface,
+                }
             }
-            EightColors::Flat => {
-                let (_, colors) = self.surfaces(lanes, place, (primitives, Some((u, v))));
-                let light = self.flat_light(lanes, place.0, primitives);
-                shader.tables.encode_row(lanes, colors.times(light), pixels);
-            }
-            EightColors::Smooth => {
-                let hits = (primitives, Some((u, v)));
-                self.shade_smooth(lanes, rays, place, hits, pixels);
-            }
-            EightColors::Material => {
-                let hits = (primitives, (u, v));
-                self.shade_material(lanes, rays, place, hits, pixels);
+            EightColors::Lines => {
+                let [r, g, b, _] = shader.backdrop(rays.row(place.1));
+                Vectors::splat(lanes, Vec3::new(r, g, b))
             }
             EightColors::Normals => {
-                let facets = self.facets(lanes, place.0, primitives);
-                let normal = facets.normal_at(lanes, u8s, v8s);
+                let facets = self.facets(lanes, hits.primitives);
+                let normal = facets.normal_at(lanes, u, v);
                 let half = Vectors::splat(lanes, Vec3::splat(0.5));
-                shader
-                    .tables
-                    .display_row(lanes, normal.times(half).plus(half), pixels);
+                return Eight::Display(normal.times(half).plus(half));
             }
             EightColors::Depth => {
-                let grey = shader.eight_greys(lanes, lanes.load(t));
-                shader
-                    .tables
-                    .display_row(lanes, Vectors::all(lanes, grey), pixels);
+                let grey = shader.eight_greys(lanes, lanes.load(hits.t));
+                return Eight::Display(Vectors::all(lanes, grey));
             }
             EightColors::Barycentric => {
-                let w = lanes.splat(1.0) - u8s - v8s;
-                shader
-                    .tables
-                    .display_row(lanes, Vectors::new(lanes, [w, u8s, v8s]), pixels);
+                let w = lanes.splat(1.0) - u - v;
+                return Eight::Display(Vectors::new(lanes, [w, u, v]));
             }
             EightColors::Uv => {
-                let uv = self.uvs(lanes, place.0, primitives, (u8s, v8s));
+                let uv = self.uvs(lanes, hits.primitives, (u, v));
                 let [x, y] = uv.map(|coordinate| coordinate - coordinate.floor());
-                shader.tables.display_row(
-                    lanes,
-                    Vectors::new(lanes, [x, y, lanes.splat(0.25)]),
-                    pixels,
-                );
+                return Eight::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]));
             }
-        }
-        if shader.needs().ground {
-            self.show_ground(place, hits, pixels);
-        }
-        self.show_behind(place, primitives, pixels);
+        };
+        Eight::Light(light)
     }
 
-    /// Eight pixels of a row, none of which shows a triangle.
+    /// Eight opaque colours with the lines over them.
     #[inline(always)]
-    fn show_nothing(&self, (left, y): (u32, u32), pixels: &mut [[u8; 4]; LANES]) {
-        if self.shader().has_overlay() {
-            self.show_behind((left, y), &[MISS; LANES], pixels);
-        } else {
-            pixels.fill(self.shader().backdrop8(y));
+    fn with_lines<L: Lanes>(
+        &mut self,
+        lanes: L,
+        rays: &TileRays,
+        (column, row): (u32, u32),
+        primitives: &[u32; LANES],
+        under: Vectors<L>,
+    ) -> Vectors<L> {
+        let shader = self.shader();
+        let (xs, y) = (rays.columns(column), rays.row(row));
+        let mut coverage = lanes.splat(0.0);
+        let mut color = Vectors::splat(lanes, shader.lines.color_of(LineStyle::Plain));
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, xs[0]);
+            let from = lanes.mask_from(run.first);
+            let mut covered = [0.0; LANES];
+            match &facet.edges {
+                None => {}
+                Some(edges) if !edges.is_chosen() => {
+                    covered = edges.coverages(&xs, y, shader.lines.width);
+                }
+                Some(edges) => {
+                    let mut colors = Rows::ZERO;
+                    for (lane, covered) in covered.iter_mut().enumerate() {
+                        let (most, style) = edges.coverage(xs[lane], y, shader.lines.width);
+                        *covered = most;
+                        colors.set(lane, shader.lines.color_of(style));
+                    }
+                    color = color.replaced(from, Vectors::load(lanes, &colors));
+                }
+            }
+            coverage = from.select(lanes.load(&covered), coverage);
         }
+        // As `over` has it for an opaque colour: c + (1 − c) is 1, since its difference is off by half a unit in the last
+        // place of what is below 1 at most.
+        let rest = lanes.splat(1.0) - coverage;
+        let lined = color.scaled(coverage).plus(under.scaled(rest));
+        under.replaced(lanes.splat(0.0).lt(coverage), lined)
     }
 
     /// Of eight pixels, those that show no triangle show what lies behind.
     #[inline(always)]
     fn show_behind(
         &self,
-        (left, y): (u32, u32),
+        rays: &TileRays,
+        (column, row): (u32, u32),
         primitives: &[u32; LANES],
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let mut is_full = true;
-        for &primitive in primitives {
-            is_full &= primitive != MISS;
-        }
-        if is_full {
+        if !any_misses(primitives) {
             return;
         }
         let shader = self.shader();
-        let backdrop = shader.backdrop8(y);
-        for (x, (&primitive, pixel)) in (left..).zip(primitives.iter().zip(pixels)) {
+        let backdrop = shader.backdrop8(rays.pixel_row(row));
+        for (column, (&primitive, pixel)) in (column..).zip(primitives.iter().zip(pixels)) {
             if primitive == MISS {
                 *pixel = if shader.has_overlay() {
-                    srgb::encode(shader.behind(f64::from(x) + 0.5, f64::from(y) + 0.5))
+                    let (x, y) = rays.place(column, row);
+                    srgb::encode(shader.behind(x, y))
                 } else {
                     backdrop
                 };
@@ -203,69 +205,42 @@ impl TileShader<'_> {
     /// Of eight pixels, those that show the ground before a triangle.
     fn show_ground(
         &mut self,
-        (left, y): (u32, u32),
+        rays: &TileRays,
+        (column, row): (u32, u32),
         hits: &EightHits<'_>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
         for (lane, pixel) in pixels.iter_mut().enumerate() {
-            let (x, primitive) = (f64::from(left) + lane as f64 + 0.5, hits.primitives[lane]);
-            if primitive != MISS && self.facet(primitive, x).shows_ground {
-                let hit = PrimitiveHit {
-                    primitive,
-                    t: hits.t[lane],
-                    u: hits.u[lane],
-                    v: hits.v[lane],
-                };
-                *pixel = self.pixel8(x, f64::from(y) + 0.5, &hit);
+            let (x, y) = rays.place(column + lane as u32, row);
+            let hit = hits.get(lane);
+            if hit.primitive != MISS && self.facet(hit.primitive, x).shows_ground {
+                *pixel = self.pixel8(x, y, &hit);
             }
         }
     }
 
-    /// The normals of the triangles that eight pixels show.
-    ///
-    /// Triangles from left to right, each over all lanes from its first on: registers alone, where lanes stored one by one
-    /// would have to reach memory before eight could be loaded as one.
+    /// Normals of the triangles that eight samples show.
     #[inline(always)]
-    fn facets<L: Lanes>(&mut self, lanes: L, left: u32, primitives: &[u32; LANES]) -> Facets<L> {
+    fn facets<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Facets<L> {
         if *primitives == [primitives[0]; LANES] {
-            return Facets::one(lanes, self.facet(primitives[0], f64::from(left)));
+            return Facets::one(lanes, self.facet(primitives[0], 0.0));
         }
         let mut facets = Facets::none(lanes);
-        let mut lane = 0;
-        while lane < LANES {
-            let (first, primitive) = (lane, primitives[lane]);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive != MISS {
-                let facet = self.facet(primitive, f64::from(left));
-                let from = lanes.mask_from(first);
-                facets = facets.replaced(from, Facets::one(lanes, facet));
-            }
+        for run in runs(primitives) {
+            let one = Facets::one(lanes, self.facet(run.primitive, 0.0));
+            facets = facets.replaced(lanes.mask_from(run.first), one);
         }
         facets
     }
 
-    /// The light on the triangles that eight pixels show.
+    /// The light on the triangles that eight samples show.
     #[inline(always)]
-    fn flat_light<L: Lanes>(
-        &mut self,
-        lanes: L,
-        left: u32,
-        primitives: &[u32; LANES],
-    ) -> Vectors<L> {
-        let shader = self.shader();
+    fn flat_light<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
         let mut light = Vectors::splat(lanes, Vec3::ZERO);
-        let mut lane = 0;
-        while lane < LANES {
-            let (first, primitive) = (lane, primitives[lane]);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive != MISS {
-                let one = shader.flat_light(self.facet(primitive, f64::from(left)));
-                light = light.replaced(lanes.mask_from(first), Vectors::splat(lanes, one));
-            }
+        for run in runs(primitives) {
+            let one = self.facet(run.primitive, 0.0).light;
+            let from = lanes.mask_from(run.first);
+            light = light.replaced(from, Vectors::splat(lanes, one));
         }
         light
     }
@@ -275,25 +250,17 @@ impl TileShader<'_> {
     fn uvs<L: Lanes>(
         &mut self,
         lanes: L,
-        left: u32,
         primitives: &[u32; LANES],
         (u, v): (L::F32, L::F32),
     ) -> [L::F32; 2] {
         let mut corners = [lanes.splat(0.0); 6];
-        let mut lane = 0;
-        while lane < LANES {
-            let (first, primitive) = (lane, primitives[lane]);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive != MISS {
-                let facet = self.facet(primitive, f64::from(left));
-                let from = lanes.mask_from(first);
-                let [a, b, c] = facet.uvs.unwrap_or_default();
-                let one = [a.x, b.x, c.x, a.y, b.y, c.y];
-                for (corners, one) in corners.iter_mut().zip(one) {
-                    *corners = from.select(lanes.splat(one), *corners);
-                }
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let from = lanes.mask_from(run.first);
+            let [a, b, c] = facet.uvs.unwrap_or_default();
+            let one = [a.x, b.x, c.x, a.y, b.y, c.y];
+            for (corners, one) in corners.iter_mut().zip(one) {
+                *corners = from.select(lanes.splat(one), *corners);
             }
         }
         let w = lanes.splat(1.0) - u - v;
@@ -301,164 +268,211 @@ impl TileShader<'_> {
         [ax * w + bx * u + cx * v, ay * w + by * u + cy * v]
     }
 
-    /// Eight pixels of a row in the smooth mode, at barycentrics (u, v) of their triangles; `None` where
-    /// no triangle has normals or a texture, to which they matter. Those that show no triangle get any colour.
+    /// Normals and colours of the triangles that eight samples show, in pictures where no triangle's colours vary.
     #[inline(always)]
-    fn shade_smooth(
-        &mut self,
-        lanes: impl Lanes,
-        rays: &TileRays,
-        (left, y): (u32, u32),
-        (primitives, weights): (&[u32; LANES], Option<(&Row, &Row)>),
-        pixels: &mut [[u8; 4]; LANES],
-    ) {
-        let shader = self.shader();
-        let (facets, colors) = self.surfaces(lanes, (left, y), (primitives, weights));
-        let to_eye = rays.to_eye(lanes, shader, (left, y));
-        let light = shader.light(lanes, &facets, weights, to_eye);
-        shader.tables.encode_row(lanes, colors.times(light), pixels);
-    }
-
-    /// Normals and colours of the surfaces that eight pixels show.
-    #[inline(always)]
-    fn surfaces<L: Lanes>(
+    fn facets_and_colors<L: Lanes>(
         &mut self,
         lanes: L,
-        (left, y): (u32, u32),
-        (primitives, weights): (&[u32; LANES], Option<(&Row, &Row)>),
+        primitives: &[u32; LANES],
     ) -> (Facets<L>, Vectors<L>) {
-        let shader = self.shader();
-        let needs = shader.needs();
-        let varied = needs.texture || needs.varied;
-        if *primitives == [primitives[0]; LANES] && !varied {
-            let facet = self.facet(primitives[0], f64::from(left));
+        if *primitives == [primitives[0]; LANES] {
+            let facet = self.facet(primitives[0], 0.0);
             let color = Vectors::splat(lanes, facet.color);
             return (Facets::one(lanes, facet), color);
         }
-        let hit = |lane: usize| PrimitiveHit {
-            primitive: primitives[lane],
-            u: weights.map_or(0.0, |(u, _)| u[lane]),
-            v: weights.map_or(0.0, |(_, v)| v[lane]),
-            ..PrimitiveHit::NONE
-        };
         let mut facets = Facets::none(lanes);
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        let mut each = Rows::ZERO;
-        let mut lane = 0;
-        while lane < LANES {
-            let (first, primitive) = (lane, primitives[lane]);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive == MISS {
-                continue;
-            }
-            let facet: &Facet = self.facet(primitive, f64::from(left));
-            let from = lanes.mask_from(first);
-            if varied {
-                for lane in first..lane {
-                    let place = || (f64::from(left) + lane as f64 + 0.5, f64::from(y) + 0.5);
-                    each.set(lane, shader.surface_color(facet, place, &hit(lane)));
-                }
-            } else {
-                colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
-            }
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let from = lanes.mask_from(run.first);
             facets = facets.replaced(from, Facets::one(lanes, facet));
-        }
-        if varied {
-            colors = Vectors::load(lanes, &each);
+            colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
         }
         (facets, colors)
     }
 
-    /// Eight pixels of a row in the material mode, of materials without images.
+    /// Colours of the surfaces that eight samples show, without textures.
     #[inline(always)]
-    fn shade_material(
-        &mut self,
-        lanes: impl Lanes,
-        rays: &TileRays,
-        place: (u32, u32),
-        (primitives, weights): (&[u32; LANES], (&Row, &Row)),
-        pixels: &mut [[u8; 4]; LANES],
-    ) {
+    fn own_colors<L: Lanes>(&mut self, lanes: L, hits: &EightHits<'_>) -> Vectors<L> {
         let shader = self.shader();
-        let (facets, base) = self.surfaces(lanes, place, (primitives, Some(weights)));
+        if shader.needs().varied {
+            let mut each = Rows::ZERO;
+            for lane in 0..LANES {
+                let hit = hits.get(lane);
+                if hit.primitive != MISS {
+                    let facet = self.facet(hit.primitive, 0.0);
+                    each.set(lane, shader.own_color(facet, hit.u, hit.v));
+                }
+            }
+            return Vectors::load(lanes, &each);
+        }
+        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
+        for run in runs(hits.primitives) {
+            let color = self.facet(run.primitive, 0.0).color;
+            let from = lanes.mask_from(run.first);
+            colors = colors.replaced(from, Vectors::splat(lanes, color));
+        }
+        colors
+    }
+
+    /// What the materials of eight samples reflect, where they have no images.
+    #[inline(always)]
+    fn reflected<L: Lanes>(
+        &mut self,
+        lanes: L,
+        primitives: &[u32; LANES],
+        base: Vectors<L>,
+        normal: Vectors<L>,
+        to_eye: Vectors<L>,
+    ) -> Vectors<L> {
+        let shader = self.shader();
         let zero = lanes.splat(0.0);
         let (mut metallic, mut roughness, mut is_unlit) = (zero, zero, zero);
         let mut emission = Vectors::splat(lanes, Vec3::ZERO);
-        let mut lane = 0;
-        while lane < LANES {
-            let (first, primitive) = (lane, primitives[lane]);
-            while lane < LANES && primitives[lane] == primitive {
-                lane += 1;
-            }
-            if primitive != MISS {
-                let from = lanes.mask_from(first);
-                let facet = self.facet(primitive, f64::from(place.0));
-                let material = shader.plain_reflectance(facet);
-                metallic = from.select(lanes.splat(material.factors[0]), metallic);
-                roughness = from.select(lanes.splat(material.factors[1]), roughness);
-                emission = emission.replaced(from, Vectors::splat(lanes, material.emission));
-                let unlit = if material.is_unlit { 1.0 } else { 0.0 };
-                is_unlit = from.select(lanes.splat(unlit), is_unlit);
-            }
+        for run in runs(primitives) {
+            let from = lanes.mask_from(run.first);
+            let material = shader.plain_reflectance(self.facet(run.primitive, 0.0));
+            metallic = from.select(lanes.splat(material.factors[0]), metallic);
+            roughness = from.select(lanes.splat(material.factors[1]), roughness);
+            emission = emission.replaced(from, Vectors::splat(lanes, material.emission));
+            let unlit = if material.is_unlit { 1.0 } else { 0.0 };
+            is_unlit = from.select(lanes.splat(unlit), is_unlit);
         }
         let surfaces = Surfaces {
             base,
             metallic,
             roughness,
         };
-        let (u, v) = weights;
-        let normal = facets.normal_at(lanes, lanes.load(u), lanes.load(v));
-        let to_eye = rays.to_eye(lanes, shader, place);
         let lit = shader.eight_reflected(lanes, &surfaces, normal, to_eye);
-        let colors = lit.plus(emission).replaced(zero.lt(is_unlit), base);
-        shader.tables.encode_row(lanes, colors, pixels);
+        lit.plus(emission).replaced(zero.lt(is_unlit), base)
     }
 }
 
-/// What [`TileShader::shade`] is asked where it shades eight pixels at once.
-struct ShadeEights<'t, 's, 'h, 'r, 'p> {
-    shader: &'t mut TileShader<'s>,
-    colors: EightColors,
-    rect: Rect,
-    hits: &'h Hits,
-    /// Whatever they are, this is compiled once: it is long.
-    rows: &'r mut dyn Iterator<Item = &'p mut [[u8; 4]]>,
+/// Where colours go.
+enum Target<'t, 'p> {
+    /// The rows of a rectangle of a picture. Whatever gives them, this is compiled once: it is long.
+    Bytes(&'t mut dyn Iterator<Item = &'p mut [[u8; 4]]>),
+    /// Linear light, row by row.
+    Light(&'t mut [[f32; 4]]),
 }
 
-impl Work for ShadeEights<'_, '_, '_, '_, '_> {
+/// The samples at a lattice's rays, eight at once.
+struct ShadeEights<'t, 's, 'h, 'p> {
+    shader: &'t mut TileShader<'s>,
+    colors: EightColors,
+    lattice: Lattice,
+    hits: HitRows<'h>,
+    picture: Target<'t, 'p>,
+}
+
+impl Work for ShadeEights<'_, '_, '_, '_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let Self {
-            shader,
+            shader: tile,
             colors,
-            rect,
+            lattice,
             hits,
-            rows,
+            mut picture,
         } = self;
-        let columns = rect.width as usize;
-        let rays = TileRays::new(shader.shader(), rect);
-        for (y, pixels) in rows.enumerate().take(rect.height as usize) {
-            let mut first = y * columns;
-            let (mut left, y) = (rect.x, rect.y + y as u32);
-            let pixels = within(pixels, columns);
-            let (pixel_rows, rest) = pixels.as_chunks_mut();
-            for pixels in pixel_rows {
-                match EightHits::of(hits, first) {
-                    None => shader.shade_hits(left, y, hits, first, pixels),
-                    Some(hits) if *hits.primitives == [MISS; LANES] => {
-                        shader.show_nothing((left, y), pixels);
-                    }
-                    Some(hits) => {
-                        shader.shade_eight(lanes, colors, &rays, (left, y), &hits, pixels);
-                    }
+        let shader = tile.shader();
+        let rays = TileRays::new(shader, lattice);
+        let columns = lattice.columns as usize;
+        let has_lines = shader.needs().edges;
+        let is_plain = !shader.has_overlay();
+        for row in 0..lattice.rows {
+            let begin = row as usize * columns;
+            let (pixels, light) = match &mut picture {
+                Target::Bytes(rows) => match rows.next() {
+                    Some(pixels) => (within(pixels, columns), &mut [][..]),
+                    None => break,
+                },
+                Target::Light(light) => (&mut [][..], &mut light[begin..begin + columns]),
+            };
+            let behind = shader.behind_row(rays.row(row));
+            let backdrop = shader.backdrop8(rays.pixel_row(row));
+            let count = pixels.len().max(light.len()) as u32;
+            let mut column = 0;
+            while column + LANES as u32 <= count {
+                let place = (column, row);
+                let at = column as usize..column as usize + LANES;
+                column += LANES as u32;
+                let hits = hits.eight(begin + at.start);
+                let is_empty = *hits.primitives == [MISS; LANES];
+                if let (true, Some(pixels)) = (is_plain & is_empty, pixels.get_mut(at.clone())) {
+                    pixels.fill(backdrop);
+                    continue;
                 }
-                first += LANES;
-                left += LANES as u32;
+                let mut eight = if is_empty {
+                    Eight::Light(Vectors::splat(lanes, Vec3::ZERO))
+                } else {
+                    tile.shade_eight(lanes, colors, &rays, place, &hits)
+                };
+                if has_lines {
+                    let under = match eight {
+                        Eight::Light(light) => light,
+                        Eight::Display(values) => shader.tables.displayed(lanes, values),
+                    };
+                    let primitives = hits.primitives;
+                    eight = Eight::Light(tile.with_lines(lanes, &rays, place, primitives, under));
+                }
+                if let Some(pixels) = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut) {
+                    match eight {
+                        Eight::Light(light) => shader.tables.encode_row(lanes, light, pixels),
+                        Eight::Display(values) => shader.tables.display_row(lanes, values, pixels),
+                    }
+                    if shader.needs().ground {
+                        tile.show_ground(&rays, place, &hits, pixels);
+                    }
+                    tile.show_behind(&rays, place, hits.primitives, pixels);
+                    continue;
+                }
+                let opaque = match eight {
+                    Eight::Light(light) => light,
+                    Eight::Display(values) => shader.tables.displayed(lanes, values),
+                };
+                let Rows([r, g, b]) = opaque.store();
+                for (lane, light) in light[at].iter_mut().enumerate() {
+                    *light = [r[lane], g[lane], b[lane], 1.0];
+                }
+                let light = &mut light[place.0 as usize..];
+                if any_misses(hits.primitives) || shader.needs().ground {
+                    tile.light_others(&rays, place, behind, &hits, light);
+                }
             }
-            shader.shade_hits(left, y, hits, first, rest);
-            shader.shader().clear_beyond(rect.x, y, pixels);
+            for column in column..count {
+                let (x, y) = rays.place(column, row);
+                let hit = hits.get(begin + column as usize);
+                if let Some(pixel) = pixels.get_mut(column as usize) {
+                    *pixel = tile.pixel8(x, y, &hit);
+                } else {
+                    light[column as usize] = tile.color(x, y, &hit);
+                }
+            }
+            shader.clear_beyond(lattice.x, rays.pixel_row(row), pixels);
+        }
+    }
+}
+
+impl TileShader<'_> {
+    /// Of eight samples, those that show no triangle, or the ground before one.
+    #[inline(never)]
+    fn light_others(
+        &mut self,
+        rays: &TileRays,
+        (column, row): (u32, u32),
+        behind: Option<[f32; 4]>,
+        hits: &EightHits<'_>,
+        light: &mut [[f32; 4]],
+    ) {
+        for (lane, light) in light.iter_mut().take(LANES).enumerate() {
+            let (x, y) = rays.place(column + lane as u32, row);
+            let hit = hits.get(lane);
+            if hit.primitive == MISS {
+                *light = behind.unwrap_or_else(|| self.shader().behind(x, y));
+            } else if self.facet(hit.primitive, x).shows_ground && self.shader().needs().ground {
+                *light = self.color(x, y, &hit);
+            }
         }
     }
 }

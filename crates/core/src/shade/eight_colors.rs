@@ -1,6 +1,6 @@
 //! Which modes are shaded eight pixels at once.
 
-/// What eight pixels are coloured by.
+/// What eight pixels are coloured by, but for lines over them.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum EightColors {
     /// The objects' own colours and textures.
@@ -19,4 +19,6 @@ pub(super) enum EightColors {
     Barycentric,
     /// Texture coordinates.
     Uv,
+    /// The background, under lines.
+    Lines,
 }

@@ -8,8 +8,8 @@ use glam::{DVec3, Vec2, Vec3};
 pub(super) struct Needs {
     /// The surface normal.
     pub(super) normal: bool,
-    /// The direction from its middle to the eye.
-    pub(super) middle: bool,
+    /// The light on all of it.
+    pub(super) light: bool,
     /// The mesh's own normals.
     pub(super) smooth: bool,
     /// The triangle's colour.
@@ -42,8 +42,8 @@ pub(super) struct Facet {
     pub(super) color: Vec3,
     /// How its colours vary within it.
     pub(super) varied: Varied,
-    /// From its middle to the eye, unit length.
-    pub(super) to_eye: Vec3,
+    /// The light on all of it: on its normal, seen from the eye in the direction of its middle.
+    pub(super) light: Vec3,
     /// How its texture is mapped.
     pub(super) texture: Option<Mapping>,
     /// Whether the texture is multiplied by the triangle's own colours.
@@ -94,7 +94,7 @@ impl Facet {
         normals: None,
         color: Vec3::ZERO,
         varied: Varied::No,
-        to_eye: Vec3::ZERO,
+        light: Vec3::ZERO,
         texture: None,
         is_tinted: false,
         blends: None,

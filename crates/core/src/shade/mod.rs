@@ -1,19 +1,28 @@
-//! From hits to colours.
+//! Shading: from hits to colours.
+//!
+//! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
+//! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
+//! mode needs. [`TileShader`] caches these. `eight` shades eight samples of a row at once in lanes, `eight_texture` reads
+//! their textures and `eight_channels` fills the other channels of a picture, all with the bits of single samples.
 
 mod depth_colors;
 mod edge_choice;
 mod edge_kinds;
 mod edges;
 mod eight;
+mod eight_channels;
 mod eight_colors;
+mod eight_texture;
 mod facet;
 mod footprint;
 mod ground;
+mod hit_rows;
 mod legend;
 mod light;
 mod line_overlay;
 #[cfg(test)]
 mod line_tests;
+mod lines;
 mod mapping;
 mod mipmap;
 mod mode;
@@ -47,6 +56,7 @@ mod vertex_color_tests;
 
 pub use crate::scene::TextureProjection;
 pub use edge_kinds::{EdgeKinds, EdgeKindsError};
+pub(crate) use eight_channels::Channels;
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
 pub use mapping::{texture_corners, texture_point};
@@ -54,7 +64,7 @@ pub use mode::{Background, Filter, Ground, GroundError, LightSet, Mode, Shading,
 pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
-pub(crate) use srgb::{encode, encode_premultiplied, over_black};
+pub(crate) use srgb::{encode, encode_all_premultiplied, encode_premultiplied, over_black};
 pub use texture_map::TextureMap;
 pub use tile::TileShader;
 pub(crate) use translucent::{SEEN, Translucent};

@@ -1,5 +1,6 @@
 use super::EdgeKinds;
 use crate::camera::Projection;
+use crate::ranges::{self, OutOfRange};
 use crate::scene::{Color, ColorScale, TextureProjection};
 use std::fmt;
 use std::str::FromStr;
@@ -173,9 +174,15 @@ impl fmt::Display for Ground {
 }
 
 /// A text that is no [`Ground`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected lowest, or a height within 1e18 of zero")]
-pub struct GroundError;
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum GroundError {
+    /// Neither the word nor a number.
+    #[error("expected lowest, or a height")]
+    Word,
+    /// A height out of range.
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
+}
 
 impl FromStr for Ground {
     type Err = GroundError;
@@ -184,14 +191,20 @@ impl FromStr for Ground {
         if text == "lowest" {
             return Ok(Self::Lowest);
         }
-        let height: f64 = text.parse().map_err(|_| GroundError)?;
-        (height.abs() <= 1e18)
-            .then_some(Self::At(height))
-            .ok_or(GroundError)
+        let height = text.parse().map_err(|_| GroundError::Word)?;
+        Self::at(height)
     }
 }
 
 impl Ground {
+    /// At a height.
+    ///
+    /// # Errors
+    /// A height out of its range, [`ranges::ground_height`].
+    pub fn at(height: f64) -> Result<Self, GroundError> {
+        Ok(Self::At(ranges::ground_height(height)?))
+    }
+
     /// Lines at which x or z is a multiple of ten cells.
     pub const LINES: Color = Color([0x8c, 0x94, 0xa0]);
     /// The x axis.

@@ -1,8 +1,11 @@
 //! Reading textures in linear light, wrapped beyond the image.
 
 use super::Filter;
+use super::smooth::{Row, Rows, Vectors};
 use super::srgb::Tables;
+use crate::num::simd::{LANES, Lanes};
 use crate::scene::{Texture, Wrap};
+use glam::Vec3;
 
 /// The texture at (u, v): origin bottom left, one repeat a unit, linear light with premultiplied alpha. Texel centres
 /// lie half a texel from the texture's edges. Beyond the image it is wrapped.
@@ -40,6 +43,141 @@ pub(super) fn sample(
             })
         }
     }
+}
+
+/// [`sample`] at eight places, as colours and alphas.
+#[inline(always)]
+pub(super) fn sample_eight<L: Lanes>(
+    lanes: L,
+    tables: &Tables,
+    texture: &Texture,
+    uv: &[[f64; LANES]; 2],
+    filter: Filter,
+) -> (Vectors<L>, L::F32) {
+    // Numbers of texels fit 32 bits, and so do columns and rows.
+    if !texture.repeats() || i32::try_from(texture.texels().len()).is_err() {
+        return sample_one_by_one(lanes, tables, texture, uv, filter);
+    }
+    let (width, height) = (texture.width(), texture.height());
+    let (mut xs, mut ys) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        xs[lane] = within(uv[0][lane]) * f64::from(width);
+        ys[lane] = (1.0 - within(uv[1][lane])) * f64::from(height);
+    }
+    let mut at = [[0; LANES]; 4];
+    if filter == Filter::Nearest {
+        for lane in 0..LANES {
+            let (x, y) = (whole(xs[lane].floor()), whole(ys[lane].floor()));
+            // The texel after the last is the first.
+            let x = if x < width { x } else { 0 };
+            let y = if y < height { y } else { 0 };
+            at[0][lane] = y * width + x;
+        }
+        return read_eight(lanes, tables, texture, &at[0]);
+    }
+    let (lefts, rights, across) = eight_neighbors(&xs, width);
+    let (tops, bottoms, down) = eight_neighbors(&ys, height);
+    for lane in 0..LANES {
+        let (top, bottom) = (tops[lane] * width, bottoms[lane] * width);
+        at[0][lane] = top + lefts[lane];
+        at[1][lane] = top + rights[lane];
+        at[2][lane] = bottom + lefts[lane];
+        at[3][lane] = bottom + rights[lane];
+    }
+    let one = lanes.splat(1.0);
+    let (right, below) = (lanes.load(&across), lanes.load(&down));
+    let (left, above) = (one - right, one - below);
+    let [a, b, c, d] = &at;
+    let (mut color, mut alpha) = weighed(read_eight(lanes, tables, texture, a), left, above);
+    for (color_of_one, alpha_of_one) in [
+        weighed(read_eight(lanes, tables, texture, b), right, above),
+        weighed(read_eight(lanes, tables, texture, c), left, below),
+        weighed(read_eight(lanes, tables, texture, d), right, below),
+    ] {
+        color = color.plus(color_of_one);
+        alpha = alpha + alpha_of_one;
+    }
+    (color, alpha)
+}
+
+/// Eight texels by their nearness along both axes.
+#[inline(always)]
+fn weighed<L: Lanes>(
+    (color, alpha): (Vectors<L>, L::F32),
+    wide: L::F32,
+    high: L::F32,
+) -> (Vectors<L>, L::F32) {
+    (color.scaled(wide).scaled(high), alpha * wide * high)
+}
+
+/// [`neighbors`] of eight positions within a side.
+#[inline(always)]
+fn eight_neighbors(places: &[f64; LANES], size: u32) -> ([u32; LANES], [u32; LANES], Row) {
+    let (mut first, mut second, mut fraction) = ([0; LANES], [0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        let from_center = places[lane] - 0.5;
+        let before = from_center.floor();
+        fraction[lane] = (from_center - before) as f32;
+        // From −1 to the last texel, since positions are from 0 to the side's length.
+        let before = whole(before);
+        let at = if before == u32::MAX { size - 1 } else { before };
+        first[lane] = at;
+        second[lane] = if at + 1 == size { 0 } else { at + 1 };
+    }
+    (first, second, fraction)
+}
+
+/// An integer from −2³¹ to 2³¹ − 1, negative ones wrapped around. The sum with 3 · 2⁵¹, in whose binade the unit in the
+/// last place is 1, has it in its low bits; a cast, which saturates, would be compiled lane by lane.
+#[inline(always)]
+fn whole(integer: f64) -> u32 {
+    const SHIFT: f64 = (3u64 << 51) as f64;
+    (integer + SHIFT).to_bits() as u32
+}
+
+/// Eight texels in linear light, alpha multiplied in, and their alphas.
+#[inline(always)]
+fn read_eight<L: Lanes>(
+    lanes: L,
+    tables: &Tables,
+    texture: &Texture,
+    at: &[u32; LANES],
+) -> (Vectors<L>, L::F32) {
+    let texels = texture.texels();
+    let mut color = Rows::ZERO;
+    let mut alphas = [0; LANES];
+    let mut least = u8::MAX;
+    for (lane, &at) in at.iter().enumerate() {
+        let [r, g, b, a] = texels[at as usize];
+        color.0[0][lane] = tables.decode(r);
+        color.0[1][lane] = tables.decode(g);
+        color.0[2][lane] = tables.decode(b);
+        alphas[lane] = a;
+        least &= a;
+    }
+    let color = Vectors::load(lanes, &color);
+    if least == u8::MAX {
+        return (color, lanes.splat(1.0));
+    }
+    let alpha = lanes.load(&alphas.map(f32::from)) / 255.0;
+    (color.scaled(alpha), alpha)
+}
+
+#[inline(always)]
+fn sample_one_by_one<L: Lanes>(
+    lanes: L,
+    tables: &Tables,
+    texture: &Texture,
+    uv: &[[f64; LANES]; 2],
+    filter: Filter,
+) -> (Vectors<L>, L::F32) {
+    let (mut color, mut alpha) = (Rows::ZERO, [0.0; LANES]);
+    for lane in 0..LANES {
+        let [r, g, b, a] = sample(tables, texture, uv[0][lane], uv[1][lane], filter);
+        color.set(lane, Vec3::new(r, g, b));
+        alpha[lane] = a;
+    }
+    (Vectors::load(lanes, &color), lanes.load(&alpha))
 }
 
 /// As [`sample`], for a texture that does not repeat.
@@ -90,6 +228,7 @@ fn border(tables: &Tables, wrap: Wrap) -> [f32; 4] {
 }
 
 /// The fractional part of a coordinate, 0 to 1.
+#[inline(always)]
 fn within(coordinate: f64) -> f64 {
     if coordinate.is_finite() {
         coordinate - coordinate.floor()
@@ -125,6 +264,8 @@ fn texel(tables: &Tables, texture: &Texture, x: u32, y: u32) -> [f32; 4] {
 mod tests {
     use super::super::srgb::tables;
     use super::*;
+    use crate::num::simd::{F32x8, Simd, Work, dispatch};
+    use crate::random::Random;
 
     /// 4 × 2 opaque texels, all different.
     fn texture() -> Texture {
@@ -218,6 +359,80 @@ mod tests {
 
     /// Opaque linear light of a border.
     const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
+
+    struct SampleEight<'a> {
+        texture: &'a Texture,
+        uv: &'a [[f64; LANES]; 2],
+        filter: Filter,
+        found: &'a mut [Row; 4],
+    }
+
+    impl Work for SampleEight<'_> {
+        #[inline(always)]
+        fn run(self, lanes: impl Lanes) {
+            let (color, alpha) = sample_eight(lanes, tables(), self.texture, self.uv, self.filter);
+            let [r, g, b, a] = self.found;
+            [*r, *g, *b] = color.store().0;
+            alpha.store(a);
+        }
+    }
+
+    /// On each side of texels' centres and borders and of the image's seams, and far away.
+    #[test]
+    fn eight_samples_have_the_bits_of_single_ones() {
+        let mut random = Random(5);
+        let texel = |i: u32| {
+            [
+                (i * 37) as u8,
+                (i * 91) as u8,
+                (i * 11) as u8,
+                (i * 59) as u8,
+            ]
+        };
+        for (width, height) in [(1, 1), (2, 1), (5, 3), (64, 1), (127, 33)] {
+            let texels = (0..width * height).map(texel).collect();
+            let texture = Texture::new(width, height, texels).expect("a good texture");
+            let clamped = texture.clone().wrapped([Wrap::Clamp, Wrap::Mirror]);
+            for texture in [&texture, &clamped] {
+                for round in 0..200 {
+                    let mut coordinate = |size: u32| {
+                        let near = (random.signed() * 40.0).round() / f64::from(size * 2);
+                        match round % 4 {
+                            0 => near,
+                            1 => near.next_up(),
+                            2 => near.next_down(),
+                            _ => random.signed() * crate::math::pow(10.0, random.signed() * 20.0),
+                        }
+                    };
+                    let mut uv = [[0.0; LANES]; 2];
+                    uv[0] = uv[0].map(|_| coordinate(width));
+                    uv[1] = uv[1].map(|_| coordinate(height));
+                    if round == 0 {
+                        uv[0] = [-0.0, f64::NAN, f64::INFINITY, -1e-30, 1e300, 0.5, 1.0, -1.0];
+                        uv[1] = [f64::NEG_INFINITY, -1e-30, 0.0, -0.0, 1.0, 1e-300, 0.5, 2.0];
+                    }
+                    for filter in [Filter::Nearest, Filter::Bilinear] {
+                        for simd in [Simd::Plain, Simd::Avx2] {
+                            let mut found = [[0.0; LANES]; 4];
+                            let work = SampleEight {
+                                texture,
+                                uv: &uv,
+                                filter,
+                                found: &mut found,
+                            };
+                            dispatch(simd, work);
+                            for lane in 0..LANES {
+                                let (u, v) = (uv[0][lane], uv[1][lane]);
+                                let expected = sample(tables(), texture, u, v, filter);
+                                let found = found.map(|row| row[lane]);
+                                assert_eq!(found, expected, "{width} {height} {u} {v} {filter:?}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn each_wrap_shows_its_texels_beyond_the_image() {

@@ -1,37 +1,42 @@
+//! The colours of a picture's samples.
+
+mod needs;
+mod triangles;
+
 use super::depth_colors::DepthColors;
-use super::edge_choice::EdgeChoice;
-use super::edges::{EdgeLines, LineStyle};
-use super::eight_colors::EightColors;
-use super::facet::{Facet, Mapping, Needs, SurfaceTriangle, Varied, blend, facing_normal, unit};
+use super::edges::EdgeLines;
+use super::facet::{Facet, Mapping, Needs, Varied, blend, unit};
 use super::ground::GroundGrid;
 use super::legend::Legend;
 use super::light::Lights;
 use super::line_overlay::{LineOverlay, Wanted};
-use super::own_color::{OwnColors, Placed, distance_range};
+use super::lines::Lines;
+use super::own_color::{OwnColors, distance_range};
 use super::ramp::Span;
 use super::reflection::{self, PlainReflectance, Surface, Surfaces};
 use super::section::Section;
 use super::sides::Sides;
 use super::slopes::slopes;
 use super::smooth::{self, Facets, Row, Vectors};
-use super::srgb::{self, Tables, over};
+use super::srgb::{self, Tables};
 use super::texturing::Texturing;
 use super::translucent::Translucent;
-use super::{Background, Mode, Shading, Wireframe};
+use super::triplanar::Triplanar;
+use super::{Background, Filter, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
-use crate::camera::{Camera, PanoramaRays, Projection, Rect};
-use crate::hit::{Cull, Detail, HitNumbers, MISS, PrimitiveHit};
+use crate::camera::{Camera, Lattice, Projection, Rect};
+use crate::hit::{Cull, MISS, PrimitiveHit};
 use crate::num::simd::{LANES, Lanes, Simd};
-use crate::scene::{
-    Attribute, ClippingPlanes, ColorScale, Masks, Object, Reflectance, Scene, Texture,
-};
-use glam::{DAffine3, DMat3, DVec3, Mat3, Vec2, Vec3};
+use crate::scene::{Attribute, ClippingPlanes, ColorScale, Masks, Reflectance, Scene, Texture};
+use glam::{DVec3, Mat3, Vec2, Vec3};
+use needs::{is_colored, needs_of};
 use std::sync::Arc;
+use triangles::{creased, world_normals};
 
-/// Gives hits their colours: everything about a picture that does not change from pixel to pixel,
-/// worked out once.
+/// Computes the colours of hits. It holds what all pixels of a picture share: lights, mappings of textures, the background.
 ///
-/// [`Shader::tile`] is the fast way for many pixels; [`Shader::color`] answers for one.
+/// [`Shader::color`] shades one sample; [`Shader::tile`] gives a [`TileShader`](super::TileShader), which shades many with
+/// the same results, faster.
 #[derive(Debug)]
 pub struct Shader<'a> {
     scene: &'a Scene,
@@ -41,101 +46,30 @@ pub struct Shader<'a> {
     needs: Needs,
     /// The eye, relative to the tree's origin.
     eye: DVec3,
-    /// From hits to the eye: through the picture's corner, and what a pixel to the right and down
-    /// adds.
+    /// The direction from hits to the eye, not of unit length, is linear in the pixel: its value at the picture's top left
+    /// corner, and its derivatives along x and y. Zero in panoramas.
     to_eye: [Vec3; 3],
     lights: Lights,
-    /// For each object without normals, those that its crease angle gives it; empty where no pixel needs them.
+    /// Normals by the crease angle of each object that has none of its own; empty where no pixel needs them.
     creased: Vec<Option<Arc<Attribute<Vec3>>>>,
-    /// For each object, world-space normals from its own; `None` for one that is squashed flat.
+    /// The normal matrix of each object, world from object; `None` where its transform is singular.
     world_normals: Vec<Option<Mat3>>,
     own_colors: OwnColors,
     texturing: Texturing,
-    /// Of a pixel's width, how much a sample stands for.
+    /// The width of a sample's texture footprint, in pixels.
     sample_width: f64,
     depth: DepthColors,
     background: Option<[Vec3; 2]>,
-    /// The background at the middle of each row.
+    /// The background's colour in each row of pixels.
     backdrops: Vec<[u8; 4]>,
-    lines: Lines<'a>,
+    pub(super) lines: Lines<'a>,
     ground: Option<GroundGrid>,
     section: Option<Section<'a>>,
     masks: Option<Masks<'a>>,
     translucent: Option<Translucent>,
-    /// Which sides of triangles are seen, and the colour of backs, where they have their own.
+    /// The test for back faces, and their colour, where they have their own.
     backs: Option<(Sides, Vec3)>,
     pub(super) tables: &'static Tables,
-}
-
-/// How lines look.
-#[derive(Debug)]
-struct Lines<'a> {
-    color: Vec3,
-    boundary: Vec3,
-    non_manifold: Vec3,
-    width: f64,
-    /// Which edges have them; `None`: all.
-    choice: Option<EdgeChoice<'a>>,
-    /// How strongly hidden ones show.
-    hidden: f32,
-    /// Those that no triangle at a pixel has, where any are to be seen.
-    overlay: Option<LineOverlay>,
-}
-
-impl<'a> Lines<'a> {
-    fn new(scene: &'a Scene, lines: Wireframe, needs: Needs) -> Self {
-        let width = if lines.width.is_finite() {
-            lines.width.max(0.0)
-        } else {
-            Wireframe::ALONE.width
-        };
-        Self {
-            color: srgb::linear(lines.color),
-            boundary: srgb::linear(Wireframe::BOUNDARY),
-            non_manifold: srgb::linear(Wireframe::NON_MANIFOLD),
-            width: f64::from(width),
-            choice: (needs.edges)
-                .then(|| EdgeChoice::new(scene, lines.edges))
-                .flatten(),
-            hidden: if needs.edges { lines.hidden } else { 0.0 },
-            overlay: None,
-        }
-    }
-
-    /// A line over what it lies on.
-    fn over(&self, (coverage, style): (f32, LineStyle), under: [f32; 4]) -> [f32; 4] {
-        let color = match style {
-            LineStyle::Plain | LineStyle::Feature => self.color,
-            LineStyle::Boundary => self.boundary,
-            LineStyle::NonManifold => self.non_manifold,
-        };
-        over(color, coverage, under)
-    }
-
-    /// Hidden lines over what hides them.
-    fn seen_through(&self, x: f64, y: f64, under: [f32; 4]) -> [f32; 4] {
-        match &self.overlay {
-            Some(overlay) if self.hidden > 0.0 => {
-                let (coverage, style) = overlay.hidden(x, y);
-                self.over((coverage * self.hidden, style), under)
-            }
-            _ => under,
-        }
-    }
-
-    /// Silhouettes over what lies behind them, at `t`.
-    fn outlined(&self, x: f64, y: f64, t: f32, under: [f32; 4]) -> [f32; 4] {
-        match &self.overlay {
-            Some(overlay) if self.has_silhouettes() => {
-                self.over(overlay.silhouette(x, y, t), under)
-            }
-            _ => under,
-        }
-    }
-
-    fn has_silhouettes(&self) -> bool {
-        (self.choice.as_ref()).is_some_and(EdgeChoice::has_silhouettes)
-    }
 }
 
 impl<'a> Shader<'a> {
@@ -148,7 +82,7 @@ impl<'a> Shader<'a> {
             ground: ground.is_some()
                 && !camera.projection().is_parallel()
                 && !camera.has_an_eye_a_column(),
-            ..needs(scene, &shading, &own_colors)
+            ..needs_of(scene, &shading, &own_colors)
         };
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
         Self {
@@ -191,7 +125,7 @@ impl<'a> Shader<'a> {
         .with_backdrops()
     }
 
-    /// Of a picture that clipping planes cut.
+    /// The shader with the sections that clipping planes make.
     pub(crate) fn with_sections(self, clip: &ClippingPlanes, cull: Cull) -> Self {
         let Self { scene, accel, .. } = self;
         Self {
@@ -200,7 +134,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// With lines where no triangle at a pixel has them: hidden ones, and silhouettes, of what clipping planes keep.
+    /// The shader with hidden lines and silhouettes, which lie on pixels whose own triangle does not have them. Only what
+    /// clipping planes keep has lines.
     pub(crate) fn with_overlay(mut self, clip: &ClippingPlanes) -> Self {
         if self.needs.edges {
             let wanted = Wanted {
@@ -214,7 +149,7 @@ impl<'a> Shader<'a> {
         self
     }
 
-    /// Whether there may be lines where nothing is hit.
+    /// Whether lines or the ground may show where nothing is hit.
     pub(super) fn has_overlay(&self) -> bool {
         self.lines.overlay.is_some() || self.ground.is_some()
     }
@@ -224,12 +159,12 @@ impl<'a> Shader<'a> {
         self.section.as_ref()
     }
 
-    /// Which hits count: the masks of the scene's materials.
+    /// The masks of the scene's materials, which reject hits.
     pub(crate) fn masks(&self) -> Option<&Masks<'a>> {
         self.masks.as_ref()
     }
 
-    /// Which surfaces let through what lies behind them, if any do.
+    /// Which surfaces are translucent, if any are.
     pub(crate) fn translucent(&self) -> Option<&Translucent> {
         self.translucent.as_ref()
     }
@@ -246,8 +181,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Of a picture with so many samples a pixel: each stands for its part of what the pixel sees of a
-    /// texture, √(1 / samples) of its width.
+    /// The shader for so many samples a pixel: a sample's texture footprint is √(1 / samples) of a pixel wide, so that all
+    /// of them cover the pixel's.
     pub fn with_samples(self, samples: u32) -> Self {
         Self {
             sample_width: 1.0 / f64::from(samples.max(1)).sqrt(),
@@ -255,13 +190,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Whether distances are shown through a colour map whose range is to be fitted to what is seen.
+    /// Whether the depth mode's colour map is to be fitted to the distances that are seen.
     pub(crate) fn fits_depth(&self) -> bool {
         let is_fitted = |scale: &ColorScale| scale.range.is_none();
         self.shading.mode == Mode::Depth && self.shading.scale.as_ref().is_some_and(is_fitted)
     }
 
-    /// With the depth mode's colours over the distances that were seen, the nearest and the farthest.
+    /// The shader with the depth mode's colour map fitted to these distances, the least and the greatest that are seen.
     pub(crate) fn with_depths(mut self, seen: [f32; 2]) -> Self {
         if let (DepthColors::Map(_, span), Some(scale)) = (&mut self.depth, &mut self.shading.scale)
         {
@@ -272,7 +207,7 @@ impl<'a> Shader<'a> {
         self
     }
 
-    /// What the picture's colour scale shows; `None` where it shows no numbers as colours.
+    /// The legend of the picture's colour scale; `None` where no numbers are shown as colours.
     pub fn legend(&self) -> Option<Legend> {
         match (&self.depth, self.shading.scale) {
             (DepthColors::Map(..), Some(scale)) => Some(Legend {
@@ -292,34 +227,9 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// How much the picture asks of hits: colours of triangles alone need no weights.
-    pub fn detail(&self) -> Detail {
-        let needs = self.needs;
-        let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
-        let weighs = weighs || (needs.edges && self.lines.has_silhouettes());
-        let weighs = weighs || self.ground.is_some();
-        if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
-            Detail::Full
-        } else {
-            Detail::Triangle
-        }
-    }
-
-    /// Which of a hit's numbers the picture asks for.
-    pub(crate) fn hit_numbers(&self) -> HitNumbers {
-        let has_lines = self.needs.edges || self.ground.is_some();
-        match self.shading.mode {
-            _ if has_lines || self.has_photographs() || self.translucent.is_some() => {
-                HitNumbers::All
-            }
-            Mode::Depth => HitNumbers::T,
-            _ => HitNumbers::Weights,
-        }
-    }
-
-    /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner:
-    /// linear light, alpha not multiplied in. A texture that was taken by a camera shows as if that saw the hit:
-    /// whether it does is for who casts rays.
+    /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner: linear light, straight alpha.
+    ///
+    /// A photograph is shown as if its camera saw the hit; the caller, who can cast rays, tests whether it does.
     pub fn color(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         if hit.primitive == MISS {
             self.behind(x, y)
@@ -328,39 +238,18 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// [`Shader::color`] as a picture holds it: sRGB, alpha not multiplied in.
+    /// [`Shader::color`] as sRGB bytes with straight alpha, which pictures store.
     pub fn shade_pixel8(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [u8; 4] {
         srgb::encode(self.color(x, y, hit))
     }
 
-    /// The unit surface normal in world space, towards the eye (the mesh's own, between corners,
-    /// where it has normals), and the texture coordinates (zero where there are none): the
-    /// picture's layers. Both zero at a miss.
+    /// A picture's layers at a hit: the unit normal in world space, on the side of the eye (the mesh's interpolated normal
+    /// where it has any), and the texture coordinates (zero where it has none). Both are zero at a miss.
     pub fn surface(&self, x: f64, _y: f64, hit: &PrimitiveHit) -> ([f32; 3], [f32; 2]) {
         if hit.primitive == MISS {
             return ([0.0; 3], [0.0; 2]);
         }
         self.surface_triangle(hit.primitive, x).at(hit.u, hit.v)
-    }
-
-    /// A triangle made ready for [`Shader::surface`] of pixels at `x` or, where they have one eye, of all.
-    pub(super) fn surface_triangle(&self, primitive: u32, x: f64) -> SurfaceTriangle {
-        let (object, triangle) = self.accel.identify(primitive);
-        let mesh = &self.scene.objects[object as usize].mesh;
-        let needs = Needs {
-            normal: true,
-            ..Needs::default()
-        };
-        let mut facet = self.facet(primitive, needs, x);
-        if mesh.has_normals() {
-            facet.normals = self.normals_in_world(object, mesh.corner_normals(triangle));
-        }
-        facet.uvs = mesh.corner_uvs(triangle);
-        SurfaceTriangle {
-            object,
-            triangle,
-            facet,
-        }
     }
 
     /// As [`TileShader::shade`](super::TileShader::shade) where no ray hits anything.
@@ -378,7 +267,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What lies behind everything at the middle of a row of the picture, as a picture holds it.
+    /// The background in a row of pixels, as sRGB bytes with straight alpha.
     pub(super) fn backdrop8(&self, row: u32) -> [u8; 4] {
         self.backdrops
             .get(row as usize)
@@ -386,73 +275,21 @@ impl<'a> Shader<'a> {
             .unwrap_or_else(|| srgb::encode(self.backdrop(f64::from(row) + 0.5)))
     }
 
-    /// Makes [`Shader::backdrop8`] ready.
+    /// Computes the rows of [`Shader::backdrop8`].
     fn with_backdrops(mut self) -> Self {
         let rows = self.camera.plane().rows;
         self.backdrops = (0..rows).map(|row| self.backdrop8(row)).collect();
         self
     }
 
-    /// Whether all pixels of a triangle have one colour.
-    pub(super) fn is_constant(&self) -> bool {
-        let is_flat = match self.shading.mode {
-            Mode::Color | Mode::Flat | Mode::Texture => true,
-            Mode::Normals => !self.needs.smooth,
-            _ => false,
-        };
-        is_flat
-            && !self.needs.texture
-            && !self.needs.varied
-            && !self.needs.edges
-            && self.ground.is_none()
-            && !self.has_many_eyes()
-    }
-
-    /// Whether pixels beside each other are seen from eyes of their own.
+    /// Whether each column of pixels has an eye of its own.
     pub(super) fn has_many_eyes(&self) -> bool {
         self.camera.has_an_eye_a_column()
-    }
-
-    /// The eye of the pixels at `x`, relative to the tree's origin.
-    #[inline(always)]
-    fn eye_at(&self, x: f64) -> DVec3 {
-        if self.has_many_eyes() {
-            self.camera.seen_at(x, 0.0).placement().eye - self.accel.origin()
-        } else {
-            self.eye
-        }
     }
 
     /// The instruction set to shade with: the tree's.
     pub(super) fn simd(&self) -> Simd {
         self.accel.simd()
-    }
-
-    /// Whether eight pixels' colours depend on where the eye is.
-    pub(super) fn looks_at_eyes(&self) -> bool {
-        let colors = self.eight_colors();
-        matches!(colors, Some(EightColors::Smooth | EightColors::Material))
-    }
-
-    /// What pixels are coloured by where eight are shaded at once; `None` where they are shaded one by one.
-    pub(super) fn eight_colors(&self) -> Option<EightColors> {
-        let is_parallel = self.camera.projection().is_parallel();
-        let shows_ground = self.ground.is_some() && is_parallel;
-        if self.needs.edges || shows_ground || self.has_many_eyes() {
-            return None;
-        }
-        match self.shading.mode {
-            Mode::Color | Mode::Texture => Some(EightColors::Own),
-            Mode::Flat => Some(EightColors::Flat),
-            Mode::Smooth => Some(EightColors::Smooth),
-            // Images of metal and roughness are read one by one.
-            Mode::Material if !self.needs.uvs => Some(EightColors::Material),
-            Mode::Normals => Some(EightColors::Normals),
-            Mode::Depth if self.depth.are_grey() => Some(EightColors::Depth),
-            Mode::Barycentric => Some(EightColors::Barycentric),
-            Mode::Uv => Some(EightColors::Uv),
-            _ => None,
-        }
     }
 
     /// sRGB greys of eight distances in the depth mode, 0 to 1.
@@ -461,7 +298,7 @@ impl<'a> Shader<'a> {
         self.depth.eight_greys(lanes, t)
     }
 
-    /// The light on eight pixels of a row whose triangles and weights are known.
+    /// The light on eight samples with these shading triangles and barycentrics.
     #[inline(always)]
     pub(super) fn light<L: Lanes>(
         &self,
@@ -473,28 +310,53 @@ impl<'a> Shader<'a> {
         smooth::light(lanes, facets, &self.lights, weights, to_eye)
     }
 
-    /// Unit vectors to the eye from what eight pixels of a row of a planar picture show.
+    /// Unit vectors from eight samples of a row to the eye, in a planar picture.
     #[inline(always)]
     pub(super) fn eight_to_eye<L: Lanes>(&self, lanes: L, place: (&Row, f32)) -> Vectors<L> {
         smooth::to_eye(lanes, &self.to_eye, place)
     }
 
-    /// The rays of a rectangle's pixels, where the picture is no plane.
-    pub(super) fn rays(&self, rect: Rect) -> Option<PanoramaRays> {
-        PanoramaRays::new(&self.camera.sub_camera(rect).lattice())
+    /// The rays of a rectangle's pixels.
+    pub(super) fn lattice(&self, rect: Rect) -> Lattice {
+        self.camera.sub_camera(rect).lattice()
     }
 
-    /// What the mode asks of each triangle.
+    /// How textures are read.
+    pub(super) fn filter(&self) -> Filter {
+        self.shading.filter
+    }
+
+    /// How much of a texture shows, 0 to 1.
+    pub(super) fn blend(&self) -> f32 {
+        self.shading.blend
+    }
+
+    /// The mapping of a triangle from three sides, if that is what its texture has.
+    #[inline(always)]
+    pub(super) fn triplanar_of(&self, facet: &Facet, mapping: &Mapping) -> Option<&Triplanar> {
+        match mapping {
+            Mapping::Triplanar(..) => self.texturing.triplanar(facet.object),
+            _ => None,
+        }
+    }
+
+    /// The texture on a triangle that has a mapping.
+    #[inline(always)]
+    pub(super) fn texture_on(&self, facet: &Facet) -> Option<&'a Texture> {
+        self.scene.objects[facet.object as usize].texture_on(facet.triangle)
+    }
+
+    /// What the mode needs of each triangle.
     pub(super) fn needs(&self) -> Needs {
         self.needs
     }
 
-    /// Whether the picture is no plane.
+    /// Whether the projection is a panorama: pixels do not lie on an image plane.
     pub(super) fn is_panoramic(&self) -> bool {
         self.camera.projection().panorama().is_some()
     }
 
-    /// Makes the pixels of a row that the picture has no place for transparent; the first is in column `left`.
+    /// Clears the pixels of a row that lie outside the panorama's frame to transparent; the first is in column `left`.
     pub(super) fn clear_beyond(&self, left: u32, y: u32, pixels: &mut [[u8; 4]]) {
         if !self.is_panoramic() || pixels.is_empty() {
             return;
@@ -515,8 +377,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What shows at a place of the picture whose ray hits nothing: what lies behind everything, and lines over it;
-    /// nothing where it has no such place.
+    /// The colour of the sample at (x, y) whose ray hits nothing: the background, the ground, and lines over them;
+    /// transparent outside a panorama's frame.
     pub(crate) fn behind(&self, x: f64, y: f64) -> [f32; 4] {
         if self.camera.has_place(x, y) {
             let behind = self.grounded(x, y, f32::INFINITY, self.backdrop(y));
@@ -527,12 +389,12 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// [`Shader::behind`] at a height in the picture, where that is the same in all of its width.
+    /// [`Shader::behind`] at any x, where it does not depend on x.
     pub(crate) fn behind_row(&self, y: f64) -> Option<[f32; 4]> {
         (!self.has_overlay() && !self.is_panoramic()).then(|| self.backdrop(y))
     }
 
-    /// The ground over what lies behind it, at `t`.
+    /// The ground's lines, where they are nearer than `t`, over a colour.
     fn grounded(&self, x: f64, y: f64, t: f32, behind: [f32; 4]) -> [f32; 4] {
         match &self.ground {
             Some(ground) => ground.over(&self.camera, (x, y), t, behind),
@@ -540,7 +402,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What lies behind everything at a height in the picture.
+    /// The background at a distance y from the picture's top, in pixels.
     pub(super) fn backdrop(&self, y: f64) -> [f32; 4] {
         let Some([top, bottom]) = self.background else {
             return [0.0; 4];
@@ -550,169 +412,10 @@ impl<'a> Shader<'a> {
         opaque(top + (bottom - top) * down)
     }
 
-    /// A triangle made ready for its pixels, at `x`.
-    fn facet(&self, primitive: u32, needs: Needs, x: f64) -> Facet {
-        let mut facet = Facet::NONE;
-        self.make_ready(&mut facet, primitive, needs, x);
-        facet
-    }
-
-    /// Makes a triangle ready in the place of another with the same needs, for pixels at `x` or, where they have one eye,
-    /// for all: what the needs do not ask for is not touched.
-    pub(super) fn make_ready(&self, facet: &mut Facet, primitive: u32, needs: Needs, x: f64) {
-        let (number, triangle) = self.accel.identify(primitive);
-        let object = &self.scene.objects[number as usize];
-        facet.object = number;
-        if needs.normal || needs.middle || needs.edges || needs.ground {
-            let corners = self.corners(primitive, x);
-            if needs.normal {
-                facet.normal = self.normal(corners);
-            }
-            if needs.middle {
-                facet.to_eye = self.middle_to_eye(corners);
-            }
-            if let (true, Some(ground)) = (needs.ground, &self.ground) {
-                let origin = self.accel.origin().y;
-                facet.shows_ground = !ground.is_hidden_by(self.eye.y, origin, corners);
-            }
-            if needs.edges {
-                // Where the picture is no plane, `color_on` has them at each place.
-                let edges = EdgeLines::new(&self.camera, corners);
-                facet.edges = Some(match &self.lines.choice {
-                    None => edges,
-                    Some(choice) => edges.chosen(choice.styles(number, triangle)),
-                });
-            }
-        }
-        if needs.smooth {
-            facet.normals = self.smooth_normals(number, object, triangle);
-        }
-        if needs.color {
-            let place = || self.placed(number, primitive, x);
-            facet.color = self.own_colors.of_triangle(number, object, triangle, place);
-        }
-        if needs.varied {
-            let place = || self.placed(number, primitive, x);
-            facet.varied = self.own_colors.within(number, object, triangle, place);
-        }
-        if needs.texture {
-            facet.triangle = triangle;
-            facet.is_tinted = object.is_tinted(triangle);
-            facet.texture = object.texture_on(triangle).and_then(|_| {
-                let in_world = || self.accel.corners(primitive);
-                self.texturing.mapping(number, object, triangle, in_world)
-            });
-            facet.blends = object.blend_numbers(triangle);
-        }
-        if needs.reflectance {
-            facet.material = object.reflecting_material(triangle);
-        }
-        if needs.uvs {
-            facet.uvs = object.mesh.corner_uvs(triangle);
-        }
-        if let Some(color) = self.back_color(primitive, x) {
-            facet.color = color;
-            facet.varied = Varied::No;
-            facet.texture = None;
-        }
-    }
-
-    /// The colour of a triangle that is seen from behind, where backs have their own.
-    #[inline(always)]
-    fn back_color(&self, primitive: u32, x: f64) -> Option<Vec3> {
-        let (sides, color) = self.backs.as_ref()?;
-        let of_column = (self.has_many_eyes())
-            .then(|| Sides::new(&self.camera.seen_at(x, 0.0), self.accel.origin()));
-        let sides = of_column.as_ref().unwrap_or(sides);
-        let is_back = sides.is_back(self.accel.corners(primitive));
-        is_back.then_some(*color)
-    }
-
-    /// A triangle's corners, relative to the eye of the pixels at `x`.
-    fn corners(&self, primitive: u32, x: f64) -> [DVec3; 3] {
-        let [a, b, c] = self.accel.corners(primitive);
-        let eye = self.eye_at(x);
-        let from_eye = |corner: Vec3| corner.as_dvec3() - eye;
-        [from_eye(a), from_eye(b), from_eye(c)]
-    }
-
-    /// A triangle in its place, for rules that ask for it.
-    fn placed(&self, number: u32, primitive: u32, x: f64) -> Placed {
-        Placed {
-            corners: self.corners(primitive, x),
-            camera: self.camera.seen_at(x, 0.0),
-            world_normals: self.world_normals.get(number as usize).copied().flatten(),
-        }
-    }
-
-    /// The unit normal of a triangle with these corners, relative to the eye; of one without area, the
-    /// way back to the eye.
-    #[inline(always)]
-    fn normal(&self, corners: [DVec3; 3]) -> Vec3 {
-        let forward = self.camera.forward();
-        let orthographic = self.camera.projection().is_parallel();
-        let normal = facing_normal(corners, orthographic.then_some(forward));
-        if normal == Vec3::ZERO {
-            -forward.as_vec3()
-        } else {
-            normal
-        }
-    }
-
-    /// The unit vector to the eye from the middle of a triangle with these corners, relative to the eye.
-    #[inline(always)]
-    fn middle_to_eye(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
-        match self.camera.projection() {
-            Projection::Orthographic => -self.camera.forward().as_vec3(),
-            Projection::Perspective | Projection::Panoramic(_) => {
-                -unit((a + b + c) / 3.0).as_vec3()
-            }
-        }
-    }
-
-    /// [`Shader::color`] where all pixels of a triangle have one colour: the same, with nothing made
-    /// ready that a single answer does not need.
-    pub(super) fn constant_color(&self, primitive: u32) -> [f32; 4] {
-        if self.shading.mode == Mode::Normals {
-            let normal = self.normal(self.corners(primitive, 0.0));
-            return self.displayed(normal * 0.5 + 0.5);
-        }
-        let (number, triangle) = self.accel.identify(primitive);
-        let object = &self.scene.objects[number as usize];
-        let place = || self.placed(number, primitive, 0.0);
-        let color = match self.back_color(primitive, 0.0) {
-            Some(color) => color,
-            None => (self.own_colors).of_triangle(number, object, triangle, place),
-        };
-        if matches!(self.shading.mode, Mode::Color | Mode::Texture) {
-            return opaque(color);
-        }
-        let corners = self.corners(primitive, 0.0);
-        let light = self
-            .lights
-            .on(self.normal(corners), self.middle_to_eye(corners));
-        opaque(color * light)
-    }
-
-    /// The normals between which light is worked out, at a triangle's corners, in world space.
-    fn smooth_normals(&self, number: u32, object: &Object, triangle: u32) -> Option<[Vec3; 3]> {
-        let normals = match self.creased.get(number as usize) {
-            Some(Some(creased)) => creased.corners(triangle, [u32::MAX; 3]),
-            _ => object.mesh.corner_normals(triangle),
-        };
-        self.normals_in_world(number, normals)
-    }
-
-    /// An object's normals in world space.
-    fn normals_in_world(&self, number: u32, normals: Option<[Vec3; 3]>) -> Option<[Vec3; 3]> {
-        let world_from_object = self.world_normals.get(number as usize).copied().flatten()?;
-        Some(normals?.map(|normal| (world_from_object * normal).normalize_or_zero()))
-    }
-
-    /// The colour of a sample on a triangle: linear light, alpha not multiplied in.
+    /// The colour of a sample on a triangle: linear light, straight alpha.
     pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let color = self.with_lines(facet, x, y, hit);
-        // Where surfaces let through what lies behind them, the ground lies behind all.
+        // Behind translucent surfaces the ground is composited last, by `behind`.
         if self.translucent.is_some() {
             color
         } else {
@@ -742,9 +445,7 @@ impl<'a> Shader<'a> {
         match self.shading.mode {
             Mode::Color => opaque(self.own_color(facet, hit.u, hit.v)),
             Mode::Texture => opaque(self.surface_color(facet, || (x, y), hit)),
-            Mode::Flat => {
-                opaque(self.surface_color(facet, || (x, y), hit) * self.flat_light(facet))
-            }
+            Mode::Flat => opaque(self.surface_color(facet, || (x, y), hit) * facet.light),
             Mode::Smooth | Mode::XRay => {
                 let to_eye = self.to_eye_at(x, y);
                 let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
@@ -763,17 +464,12 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The light on all of a triangle.
-    pub(super) fn flat_light(&self, facet: &Facet) -> Vec3 {
-        self.lights.on(facet.normal, facet.to_eye)
-    }
-
-    /// A colour that is meant as sRGB, 0 to 1.
+    /// An opaque colour given in sRGB, 0 to 1.
     fn displayed(&self, value: Vec3) -> [f32; 4] {
         opaque(value.to_array().map(|v| self.tables.display(v)).into())
     }
 
-    /// What a material sends back, and its own light.
+    /// The light that a material reflects and emits.
     fn reflected(&self, facet: &Facet, (x, y): (f64, f64), hit: &PrimitiveHit) -> Vec3 {
         let base = self.surface_color(facet, || (x, y), hit);
         let PlainReflectance {
@@ -798,14 +494,14 @@ impl<'a> Shader<'a> {
         reflection::reflected(&self.lights, surface, normal, to_eye) + emission
     }
 
-    /// How a triangle's material reflects light, where the mesh says it.
+    /// The reflectance of a triangle's material, where the file gives it.
     fn reflectance(&self, facet: &Facet) -> Option<&Reflectance> {
         let materials = self.scene.objects[facet.object as usize].mesh.materials();
         let material = materials.get(facet.material? as usize)?;
         material.reflectance.as_deref()
     }
 
-    /// How a triangle's material reflects light, without its images.
+    /// The reflectance of a triangle's material without its images; the default where the file gives none.
     pub(super) fn plain_reflectance(&self, facet: &Facet) -> PlainReflectance {
         let default = Reflectance::default();
         let material = self.reflectance(facet);
@@ -817,7 +513,7 @@ impl<'a> Shader<'a> {
             ..
         } = material.unwrap_or(&default);
         PlainReflectance {
-            // What a mesh says is held to its range; the default is within it.
+            // A file's values are clamped; the default is in range.
             factors: [metallic, roughness].map(|factor| factor.clamp(0.0, 1.0)),
             emission: match material {
                 Some(_) => Vec3::from(emission),
@@ -827,7 +523,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What eight surfaces send back.
+    /// The light that eight surfaces reflect.
     #[inline(always)]
     pub(super) fn eight_reflected<L: Lanes>(
         &self,
@@ -851,7 +547,7 @@ impl<'a> Shader<'a> {
 
     /// The triangle's own colour at barycentrics (u, v): linear light.
     #[inline(always)]
-    fn own_color(&self, facet: &Facet, u: f32, v: f32) -> Vec3 {
+    pub(super) fn own_color(&self, facet: &Facet, u: f32, v: f32) -> Vec3 {
         match &facet.varied {
             Varied::No => facet.color,
             Varied::Colors(colors) => blend(*colors, u, v),
@@ -859,7 +555,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The triangle's colour and its texture, mixed in linear light, at the sample that `place` gives.
+    /// The triangle's colour and its texture, mixed in linear light. `place`, the sample's place in the picture, is asked for
+    /// by filters with a footprint alone.
     #[inline]
     pub(super) fn surface_color(
         &self,
@@ -871,8 +568,7 @@ impl<'a> Shader<'a> {
         let Some(mapping) = &facet.texture else {
             return color;
         };
-        let object = &self.scene.objects[facet.object as usize];
-        let Some(texture) = object.texture_on(facet.triangle) else {
+        let Some(texture) = self.texture_on(facet) else {
             return color;
         };
         let texture = (facet.object, texture);
@@ -896,16 +592,15 @@ impl<'a> Shader<'a> {
         self.texturing.has_photographs()
     }
 
-    /// Where the texture was taken that a hit on a triangle shows if it is seen from there.
+    /// The eye of the photograph that a hit on a triangle shows if it is visible from there.
     pub(super) fn taken_from(&self, facet: &Facet, hit: &PrimitiveHit) -> Option<DVec3> {
         let mapping = facet.texture.as_ref()?;
-        let object = &self.scene.objects[facet.object as usize];
-        let texture = object.texture_on(facet.triangle)?;
+        let texture = self.texture_on(facet)?;
         self.texturing
             .taken_from((facet.object, texture), mapping, hit)
     }
 
-    /// The texture's colour over what the sample at a place sees of it.
+    /// The texture filtered over the footprint of the sample at a place.
     #[inline(never)]
     fn filtered(
         &self,
@@ -921,80 +616,8 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Whether a mode shows the objects' own colours.
-fn is_colored(mode: Mode) -> bool {
-    matches!(
-        mode,
-        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture | Mode::XRay
-    )
-}
-
-/// What a picture's mode asks of triangles.
-fn needs(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
-    let colored = is_colored(shading.mode);
-    let has_normals = || {
-        let mut objects = scene.objects.iter();
-        shading.is_creased() || objects.any(|object| object.mesh.has_normals())
-    };
-    let reflects = shading.mode == Mode::Material;
-    let has_images = || {
-        let mut objects = scene.objects.iter();
-        objects.any(|object| {
-            let mut materials = object.mesh.materials().iter();
-            let has_images = |known: &Arc<Reflectance>| known.has_textures();
-            materials.any(|material| material.reflectance.as_ref().is_some_and(has_images))
-        })
-    };
-    let has_texture = || scene.objects.iter().any(Object::has_texture);
-    Needs {
-        normal: shading.mode == Mode::Flat || shading.mode.shows_normals(),
-        middle: shading.mode == Mode::Flat,
-        smooth: shading.mode.shows_normals() && has_normals(),
-        color: colored,
-        varied: colored && own_colors.vary,
-        texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
-        uvs: shading.mode == Mode::Uv || reflects && has_images(),
-        reflectance: reflects,
-        edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
-        ground: false,
-    }
-}
-
-/// For each object without normals, those of the crease angle; nothing where the mode or the angle asks for none.
-fn creased(scene: &Scene, shading: &Shading) -> Vec<Option<Arc<Attribute<Vec3>>>> {
-    if !shading.is_creased() {
-        return Vec::new();
-    }
-    let normals = |object: &Object| {
-        let has_none = object.visible && !object.mesh.has_normals();
-        has_none.then(|| object.mesh.creased(shading.crease))
-    };
-    scene.objects.iter().map(normals).collect()
-}
-
-/// For each object, world-space normals from its own: the inverse transpose.
-fn world_normals(scene: &Scene) -> Vec<Option<Mat3>> {
-    let transforms = scene
-        .world_from_objects()
-        .unwrap_or_else(|_| vec![DAffine3::IDENTITY; scene.objects.len()]);
-    transforms
-        .iter()
-        .map(|world_from_object| {
-            // Its scale does not matter: normals are made unit length. Dividing by the largest
-            // entry keeps it in the range of single precision.
-            let normal_matrix = world_from_object.matrix3.inverse().transpose();
-            let largest = normal_matrix
-                .to_cols_array()
-                .into_iter()
-                .fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
-            (normal_matrix.is_finite() && largest > 0.0)
-                .then(|| DMat3::as_mat3(&(normal_matrix * (1.0 / largest))))
-        })
-        .collect()
-}
-
-/// From hits to the eye: through the picture's corner, and what a pixel to the right and down adds. Nothing where the
-/// picture is no plane.
+/// The direction from hits to the eye at the picture's top left corner, and its derivatives along x and y in pixels; zero
+/// in panoramas, where it is not linear.
 fn to_eye(camera: &Camera) -> [Vec3; 3] {
     let direction = |x, y| -camera.direction(x, y) / camera.distance();
     let corner = match camera.projection() {

@@ -1,7 +1,7 @@
-//! Smooth shading of eight pixels of a row side by side.
+//! Vectors of eight lanes, and lighting of eight samples with interpolated normals.
 //!
-//! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by
-//! operation, so that the bytes are the same.
+//! Each lane computes what [`Shader::color`](super::Shader::color) computes for one sample, operation by operation, so that
+//! the bits are the same.
 
 use super::facet::Facet;
 use super::light::{GROUND, KEY, Lights, RIM, SKY, Source, WRAP};
@@ -11,17 +11,17 @@ use glam::Vec3;
 /// Eight numbers in memory.
 pub(super) type Row = [f32; LANES];
 
-/// Eight vectors in memory, coordinates side by side. Aligned, since a lane that is read back from a
-/// store across two cache lines waits for it to leave.
+/// Eight vectors in memory, in structure-of-arrays order. Aligned: a load cannot be forwarded from a store that crosses a
+/// cache line.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Rows(pub(super) [Row; 3]);
 
 impl Rows {
-    /// Eight times zero.
+    /// Zero vectors.
     pub(super) const ZERO: Self = Self([[0.0; LANES]; 3]);
 
-    /// Gives a lane its vector.
+    /// Sets the vector of a lane.
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, vector: Vec3) {
         for (row, coordinate) in self.0.iter_mut().zip(vector.to_array()) {
@@ -30,7 +30,7 @@ impl Rows {
     }
 }
 
-/// Eight vectors side by side.
+/// Eight vectors in lanes.
 #[derive(Clone, Copy)]
 pub(super) struct Vectors<L: Lanes> {
     lanes: L,
@@ -46,13 +46,13 @@ impl<L: Lanes> Vectors<L> {
         Self { lanes, xyz }
     }
 
-    /// Of coordinates side by side.
+    /// From the lanes of x, y and z.
     #[inline(always)]
     pub(super) fn new(lanes: L, xyz: [L::F32; 3]) -> Self {
         Self { lanes, xyz }
     }
 
-    /// From memory.
+    /// Loads eight from memory.
     #[inline(always)]
     pub(super) fn load(lanes: L, rows: &Rows) -> Self {
         let [x, y, z] = &rows.0;
@@ -60,13 +60,13 @@ impl<L: Lanes> Vectors<L> {
         Self { lanes, xyz }
     }
 
-    /// Coordinates side by side.
+    /// The lanes of x, y and z.
     #[inline(always)]
     pub(super) fn xyz(self) -> [L::F32; 3] {
         self.xyz
     }
 
-    /// To memory.
+    /// Stores the eight to memory.
     #[inline(always)]
     pub(super) fn store(self) -> Rows {
         let mut rows = Rows::ZERO;
@@ -84,14 +84,14 @@ impl<L: Lanes> Vectors<L> {
         Self { lanes, xyz }
     }
 
-    /// Vectors whose coordinates are all the same number.
+    /// Vectors with x = y = z.
     #[inline(always)]
     pub(super) fn all(lanes: L, number: L::F32) -> Self {
         let xyz = [number; 3];
         Self { lanes, xyz }
     }
 
-    /// These, and others where the mask says so.
+    /// `others` where the mask is true, these elsewhere.
     #[inline(always)]
     pub(super) fn replaced(self, mask: L::Mask, others: Self) -> Self {
         self.with(others, |mine, theirs| mask.select(theirs, mine))
@@ -103,13 +103,13 @@ impl<L: Lanes> Vectors<L> {
         self.with(other, |a, b| a + b)
     }
 
-    /// The lesser coordinates; where either is not a number, those of `other`.
+    /// The lesser of each coordinate; `other`'s where either is NaN.
     #[inline(always)]
     pub(super) fn min(self, other: Self) -> Self {
         self.with(other, F32x8::min)
     }
 
-    /// The greater coordinates; where either is not a number, those of `other`.
+    /// The greater of each coordinate; `other`'s where either is NaN.
     #[inline(always)]
     pub(super) fn max(self, other: Self) -> Self {
         self.with(other, F32x8::max)
@@ -127,10 +127,28 @@ impl<L: Lanes> Vectors<L> {
         self.with(other, |a, b| a - b)
     }
 
-    /// Multiples.
+    /// Products with a number a lane.
     #[inline(always)]
     pub(super) fn scaled(self, factor: L::F32) -> Self {
         self.times(Self::all(self.lanes, factor))
+    }
+
+    /// Quotients by a number a lane.
+    #[inline(always)]
+    pub(super) fn divided(self, divisor: L::F32) -> Self {
+        self.with(Self::all(self.lanes, divisor), |a, b| a / b)
+    }
+
+    /// Interpolates vectors at triangles' corners at barycentrics (u, v): [`blend`](super::facet::blend).
+    #[inline(always)]
+    pub(super) fn between(lanes: L, [a, b, c]: [[L::F32; 3]; 3], u: L::F32, v: L::F32) -> Self {
+        let w = lanes.splat(1.0) - u - v;
+        let [a, b, c] = [
+            Self::new(lanes, a),
+            Self::new(lanes, b),
+            Self::new(lanes, c),
+        ];
+        a.scaled(w).plus(b.scaled(u)).plus(c.scaled(v))
     }
 
     /// Dot products.
@@ -148,7 +166,7 @@ impl<L: Lanes> Vectors<L> {
         Self { xyz, ..self }
     }
 
-    /// Unit vectors; zero where there is no direction: [`Vec3::normalize_or_zero`].
+    /// Unit vectors; zero for zero vectors: [`Vec3::normalize_or_zero`].
     #[inline(always)]
     pub(super) fn unit_or_zero(self) -> Self {
         let lanes = self.lanes;
@@ -164,19 +182,19 @@ impl<L: Lanes> Vectors<L> {
     }
 }
 
-/// The normals of the triangles that eight pixels show.
+/// Normals of the shading triangles of eight samples.
 #[derive(Clone, Copy)]
 pub(super) struct Facets<L: Lanes> {
-    /// The triangles' own, towards the eye.
+    /// The triangles' unit normals, on the side of the eye.
     flat: Vectors<L>,
-    /// The mesh's at the corners.
+    /// The mesh's normals at the corners.
     corners: [Vectors<L>; 3],
-    /// Above zero where the mesh has them.
+    /// 1 where the mesh has normals, else 0.
     smooth: L::F32,
 }
 
 impl<L: Lanes> Facets<L> {
-    /// Of no triangles.
+    /// Those of no triangle.
     #[inline(always)]
     pub(super) fn none(lanes: L) -> Self {
         let zero = Vectors::splat(lanes, Vec3::ZERO);
@@ -187,7 +205,7 @@ impl<L: Lanes> Facets<L> {
         }
     }
 
-    /// Of one triangle that all pixels show.
+    /// Those of one triangle, in all lanes.
     #[inline(always)]
     pub(super) fn one(lanes: L, facet: &Facet) -> Self {
         let [a, b, c] = facet.normals.unwrap_or_default();
@@ -199,7 +217,7 @@ impl<L: Lanes> Facets<L> {
         }
     }
 
-    /// These, and others where the mask says so.
+    /// `others` where the mask is true, these elsewhere.
     #[inline(always)]
     pub(super) fn replaced(self, mask: L::Mask, others: Self) -> Self {
         let ([a, b, c], [d, e, f]) = (self.corners, others.corners);
@@ -231,8 +249,8 @@ impl<L: Lanes> Facets<L> {
     }
 }
 
-/// Unit vectors to the eye from what eight pixels of a planar picture show: `to_eye` is the
-/// [`Shader`](super::Shader)'s; the pixels are `x` to the right in the picture and `y` down.
+/// Unit vectors from eight samples at (x, y) of a planar picture to the eye; `to_eye` is the direction at the picture's top
+/// left corner and its derivatives along x and y, as [`Shader`](super::Shader) has it.
 #[inline(always)]
 pub(super) fn to_eye<L: Lanes>(lanes: L, to_eye: &[Vec3; 3], (x, y): (&Row, f32)) -> Vectors<L> {
     let splat = |vector| Vectors::splat(lanes, vector);
@@ -243,8 +261,8 @@ pub(super) fn to_eye<L: Lanes>(lanes: L, to_eye: &[Vec3; 3], (x, y): (&Row, f32)
     to_eye.scaled(lanes.splat(1.0) / to_eye.length())
 }
 
-/// The light on eight pixels at barycentrics (u, v) of their triangles: what
-/// [`Lights::on`](super::light::Lights::on) says; without weights the triangles' own normals count.
+/// [`Lights::on`] for eight samples with these shading triangles and barycentrics (u, v); without barycentrics the
+/// triangles' own normals are lit.
 #[inline(always)]
 pub(super) fn light<L: Lanes>(
     lanes: L,

@@ -1,9 +1,9 @@
-//! Between sRGB bytes and linear light (IEC 61966-2-1), by tables: exact to the last byte, and no
-//! power in any pixel's loop.
+//! Conversion between sRGB bytes and linear light (IEC 61966-2-1) by tables: each value gives the byte that the standard's
+//! formula rounds to, without a power per pixel.
 
-use super::smooth::Vectors;
+use super::smooth::{Rows, Vectors};
 use crate::math;
-use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::num::simd::{F32x8, LANES, Lanes, Simd, Work, dispatch};
 use crate::scene::Color;
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -11,38 +11,39 @@ use std::sync::LazyLock;
 /// The tables, made on first use.
 static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
 
-/// Below this every value is the byte 0: byte 1 begins at 0.5 / 255 / 12.92 ≈ 1.24 · 2⁻¹³.
+/// All smaller values give byte 0: the least value of byte 1 is 0.5 / 255 / 12.92 ≈ 1.24 · 2⁻¹³.
 const DARKEST: f32 = 1.0 / 8192.0;
 
 /// The largest value below one.
 const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// Mantissa bits that are left out of a bucket's number, so that a bucket is a 128th of a binade.
+/// A value's bits, shifted right by this, are its bucket's index: 7 bits of the mantissa remain, and a bucket is a 128th of
+/// a binade.
 ///
-/// Neighbouring bytes begin at least 2.4 / 269 of their value apart, more than a 128th: a bucket
-/// has the beginning of one byte at most.
+/// The least values of neighbouring bytes differ by at least 2.4 / 269 of themselves, more than a 128th: at most one lies
+/// in a bucket.
 const BUCKET_SHIFT: u32 = 23 - 7;
 
 /// Buckets from [`DARKEST`] to one: 13 binades.
 const BUCKETS: usize = 13 * 128;
 
-/// The next power of two: a bucket's number needs no check against it.
+/// The next power of two: an index modulo it needs no bounds check.
 const ALL_BUCKETS: usize = BUCKETS.next_power_of_two();
 
-/// Adding it to a whole number from 0 to 2²² puts that into the lowest bits.
+/// The sum with an integer from 0 to 2²² has the integer in its lowest bits.
 const WHOLE: f32 = (1 << 23) as f32;
 
-/// Both directions.
+/// The tables of both directions.
 #[derive(Debug)]
 pub(crate) struct Tables {
     /// The linear light of each byte.
     linear: [f32; 256],
-    /// Of each bucket the byte at its lower end, times [`BUCKET`], plus what a number's bits within the
-    /// bucket lack of [`BUCKET`] where the next byte begins.
+    /// For each bucket b · [`BUCKET`] + [`BUCKET`] − n, with b the byte at its lower end and n the offset in the bucket at
+    /// which byte b + 1 begins. Adding a value's offset carries into the byte where that is n or more.
     steps: [u32; ALL_BUCKETS],
 }
 
-/// How many numbers a bucket has.
+/// The number of single-precision values in a bucket.
 const BUCKET: u32 = 1 << BUCKET_SHIFT;
 
 /// Linear light from an sRGB value, both 0 to 1.
@@ -54,7 +55,7 @@ fn to_linear(value: f64) -> f64 {
     }
 }
 
-/// The least linear light that rounds to a byte: the first single at or above the real threshold.
+/// The least single-precision linear light that rounds to a byte.
 fn begin(byte: u8) -> f32 {
     let threshold = to_linear(((f64::from(byte) - 0.5) / 255.0).max(0.0));
     let nearest = threshold as f32;
@@ -86,6 +87,7 @@ impl Tables {
     }
 
     /// The linear light of a byte.
+    #[inline]
     pub(crate) fn decode(&self, byte: u8) -> f32 {
         self.linear[usize::from(byte)]
     }
@@ -101,7 +103,7 @@ impl Tables {
         })
     }
 
-    /// The same of a value from [`DARKEST`] to [`BRIGHTEST`].
+    /// [`Tables::encode`] of a value from [`DARKEST`] to [`BRIGHTEST`].
     #[inline(always)]
     fn encode_within(&self, linear: f32) -> u8 {
         let above = linear.to_bits() - DARKEST.to_bits();
@@ -122,7 +124,7 @@ impl Tables {
             .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)))
             .store()
             .0;
-        // Loops of one kind each, which compilers vectorise but for the looking up.
+        // One kind of operation a loop, so that compilers vectorise all but the lookups.
         let mut bytes = [[0; LANES]; 3];
         for (row, bytes) in rows.iter().zip(&mut bytes) {
             let (mut above, mut steps) = ([0; LANES], [0; LANES]);
@@ -139,8 +141,7 @@ impl Tables {
         pack(&bytes, pixels);
     }
 
-    /// The bytes of eight opaque colours that are meant as sRGB, 0 to 1: what [`Tables::encode`] gives of
-    /// [`Tables::display`].
+    /// The bytes of eight opaque colours given in sRGB, 0 to 1: [`Tables::encode`] of [`Tables::display`].
     #[inline(always)]
     pub(super) fn display_row<L: Lanes>(
         &self,
@@ -148,18 +149,20 @@ impl Tables {
         values: Vectors<L>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let (zero, most) = (lanes.splat(0.0), lanes.splat(255.0));
-        let mut bytes = [[0; LANES]; 3];
-        for (value, bytes) in values.xyz().into_iter().zip(&mut bytes) {
-            // No number becomes zero.
-            let whole = (value * 255.0 + 0.5).max(zero).min(most).floor() + WHOLE;
-            let mut row = [0.0; LANES];
-            whole.store(&mut row);
+        pack(&displayed_bytes(lanes, values), pixels);
+    }
+
+    /// [`Tables::display`] of eight colours.
+    #[inline(always)]
+    pub(super) fn displayed<L: Lanes>(&self, lanes: L, values: Vectors<L>) -> Vectors<L> {
+        let bytes = displayed_bytes(lanes, values);
+        let mut light = Rows::ZERO;
+        for (light, bytes) in light.0.iter_mut().zip(bytes) {
             for lane in 0..LANES {
-                bytes[lane] = row[lane].to_bits() % 256;
+                light[lane] = self.linear[bytes[lane] as usize % 256];
             }
         }
-        pack(&bytes, pixels);
+        Vectors::load(lanes, &light)
     }
 
     /// The bytes of an opaque colour.
@@ -173,11 +176,28 @@ impl Tables {
         ]
     }
 
-    /// The linear light of a value between 0 and 1 that is meant as sRGB: that of its nearest byte.
+    /// The linear light of the byte nearest to an sRGB value, 0 to 1.
     pub(crate) fn display(&self, value: f32) -> f32 {
         // The cast is saturating, and NaN becomes zero.
         self.decode((value * 255.0 + 0.5) as u8)
     }
+}
+
+/// The nearest bytes of eight colours given in sRGB, 0 to 1.
+#[inline(always)]
+fn displayed_bytes<L: Lanes>(lanes: L, values: Vectors<L>) -> [[u32; LANES]; 3] {
+    let (zero, most) = (lanes.splat(0.0), lanes.splat(255.0));
+    let mut bytes = [[0; LANES]; 3];
+    for (value, bytes) in values.xyz().into_iter().zip(&mut bytes) {
+        // NaN becomes zero.
+        let whole = (value * 255.0 + 0.5).max(zero).min(most).floor() + WHOLE;
+        let mut row = [0.0; LANES];
+        whole.store(&mut row);
+        for lane in 0..LANES {
+            bytes[lane] = row[lane].to_bits() % 256;
+        }
+    }
+    bytes
 }
 
 /// Eight opaque pixels of these bytes.
@@ -189,12 +209,12 @@ fn pack([r, g, b]: &[[u32; LANES]; 3], pixels: &mut [[u8; 4]; LANES]) {
     }
 }
 
-/// The tables, for loops that should not look for them at each pixel.
+/// The tables. Loops call this once: each call tests whether they exist.
 pub(crate) fn tables() -> &'static Tables {
     &TABLES
 }
 
-/// Tables for images of numbers: a byte is its share of 255, and what is encoded is as ever.
+/// Tables for images of numbers, such as roughness: a byte decodes to itself over 255. Encoding is that of colours.
 pub(crate) fn numbers() -> &'static Tables {
     &NUMBERS
 }
@@ -209,12 +229,12 @@ pub(crate) fn linear(color: Color) -> Vec3 {
     Vec3::from(color.0.map(|byte| TABLES.decode(byte)))
 }
 
-/// Linear light with alpha multiplied in, from linear light with it apart.
+/// Premultiplied from straight alpha.
 pub(crate) fn premultiply([r, g, b, a]: [f32; 4]) -> [f32; 4] {
     [r * a, g * a, b * a, a]
 }
 
-/// sRGB bytes with alpha apart, from linear light with alpha multiplied in.
+/// sRGB bytes with straight alpha, from linear light with premultiplied alpha.
 pub(crate) fn encode_premultiplied([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     if a == 1.0 {
         return TABLES.encode_opaque(Vec3::new(r, g, b));
@@ -227,14 +247,51 @@ pub(crate) fn encode_premultiplied([r, g, b, a]: [f32; 4]) -> [u8; 4] {
     [r, g, b, alpha]
 }
 
-/// Linear light with alpha multiplied in, from sRGB bytes with alpha apart.
+/// [`encode_premultiplied`] of many colours; most are opaque.
+pub(crate) fn encode_all_premultiplied(simd: Simd, colors: &[[f32; 4]], pixels: &mut [[u8; 4]]) {
+    dispatch(simd, EncodeAll { colors, pixels });
+}
+
+struct EncodeAll<'c, 'p> {
+    colors: &'c [[f32; 4]],
+    pixels: &'p mut [[u8; 4]],
+}
+
+impl Work for EncodeAll<'_, '_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let (eights, rest) = self.colors.as_chunks::<LANES>();
+        let (pixels, pixels_rest) = self.pixels.as_chunks_mut::<LANES>();
+        let tables = tables();
+        for (colors, pixels) in eights.iter().zip(pixels) {
+            let mut rows = Rows::ZERO;
+            let mut are_opaque = true;
+            for (lane, &[r, g, b, a]) in colors.iter().enumerate() {
+                rows.set(lane, Vec3::new(r, g, b));
+                are_opaque &= a == 1.0;
+            }
+            if are_opaque {
+                tables.encode_row(lanes, Vectors::load(lanes, &rows), pixels);
+            } else {
+                for (color, pixel) in colors.iter().zip(pixels) {
+                    *pixel = encode_premultiplied(*color);
+                }
+            }
+        }
+        for (color, pixel) in rest.iter().zip(pixels_rest) {
+            *pixel = encode_premultiplied(*color);
+        }
+    }
+}
+
+/// Linear light with premultiplied alpha, from sRGB bytes with straight alpha.
 pub(crate) fn decode_premultiplied([r, g, b, a]: [u8; 4]) -> [f32; 4] {
     let [r, g, b] = [r, g, b].map(|byte| TABLES.decode(byte));
     premultiply([r, g, b, f32::from(a) / 255.0])
 }
 
-/// sRGB bytes from linear light, alpha apart in both: the same bytes as by way of
-/// [`premultiply`], so that a picture's bytes follow from its layers.
+/// sRGB bytes from linear light, both with straight alpha. It rounds as [`premultiply`] does, so that a picture's bytes
+/// follow from its layers.
 #[inline]
 pub(crate) fn encode(color: [f32; 4]) -> [u8; 4] {
     let [r, g, b, a] = color;
@@ -245,13 +302,13 @@ pub(crate) fn encode(color: [f32; 4]) -> [u8; 4] {
     }
 }
 
-/// sRGB bytes laid over black in linear light.
+/// sRGB bytes composited over black in linear light.
 pub(crate) fn over_black([r, g, b, a]: [u8; 4]) -> [u8; 3] {
     let alpha = f32::from(a) / 255.0;
     [r, g, b].map(|byte| TABLES.encode(TABLES.decode(byte) * alpha))
 }
 
-/// A colour that covers a part of what is under it; alpha not multiplied in.
+/// A colour of this coverage composited over another; straight alpha.
 pub(super) fn over(color: Vec3, coverage: f32, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
     if coverage == 0.0 {
         return [r, g, b, a];
@@ -319,6 +376,29 @@ mod tests {
             (f32::INFINITY, 255),
         ] {
             assert_eq!(TABLES.encode(value), byte, "{value}");
+        }
+    }
+
+    #[test]
+    fn many_colors_have_the_bytes_of_single_ones() {
+        let mut random = Random(2);
+        for count in [0, 7, 8, 50] {
+            for is_opaque in [true, false] {
+                let color = |_| {
+                    let [r, g, b, a] = [(); 4].map(|()| random.unit() as f32 * 1.2 - 0.1);
+                    [r, g, b, if is_opaque { 1.0 } else { a.clamp(0.0, 1.0) }]
+                };
+                let colors: Vec<_> = (0..count).map(color).collect();
+                for simd in [Simd::Plain, Simd::Avx2] {
+                    let mut pixels = vec![[0; 4]; count];
+                    encode_all_premultiplied(simd, &colors, &mut pixels);
+                    let expected: Vec<_> = colors
+                        .iter()
+                        .map(|&color| encode_premultiplied(color))
+                        .collect();
+                    assert_eq!(pixels, expected);
+                }
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
@@ -425,15 +425,25 @@ fn check_tiles(with_normals: bool) {
             values: data.positions.iter().map(normal).collect(),
             indices: None,
         });
+        data.uvs = Some(Attribute {
+            values: data
+                .positions
+                .iter()
+                .map(|p| p.as_vec3().truncate() * 1.7)
+                .collect(),
+            indices: None,
+        });
     }
     let mut colorful = object(data);
     colorful.color = ColorRule::PerTriangle { seed: 3 };
     colorful.texture = Texture::new(2, 1, vec![[9, 80, 200, 255], [250, 3, 7, 100]]).map(Arc::new);
     let eye = DVec3::new(2.0, 1.0, 4.0);
-    let bench = Bench::new(
-        vec![colorful, object(square())],
-        camera(Projection::Perspective, eye),
-    );
+    let mut beside = object(square());
+    if with_normals {
+        let texels = (0..15).map(|i| [i * 16, 255 - i * 9, i * i, 255 - i]);
+        beside.texture = Texture::new(5, 3, texels.collect()).map(Arc::new);
+    }
+    let bench = Bench::new(vec![colorful, beside], camera(Projection::Perspective, eye));
     let rect = Rect {
         x: 3,
         y: 2,
@@ -444,6 +454,12 @@ fn check_tiles(with_normals: bool) {
         .flat_map(|y| (rect.x..rect.right()).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)))
         .collect();
     let hits: Hits = places.iter().map(|&(x, y)| bench.hit(x, y)).collect();
+    let mut lattice = bench.camera.sub_camera(rect).lattice();
+    lattice.offset = (0.3, 0.8);
+    let samples: Vec<(f64, f64)> = (0..lattice.rows)
+        .flat_map(|row| (0..lattice.columns).map(move |column| lattice.place(column, row)))
+        .collect();
+    let sample_hits: Hits = samples.iter().map(|&(x, y)| bench.hit(x, y)).collect();
     for shown in Mode::ALL {
         for (wireframe, ground) in [
             (None, None),
@@ -487,7 +503,43 @@ fn check_tiles(with_normals: bool) {
                     assert_eq!(color, tile.color(x, y, &hit), "{shading:?}");
                     assert!(color.iter().all(|channel| (0.0..=1.0).contains(channel)));
                 }
+                let mut light = Vec::new();
+                shader.tile().light(&lattice, &sample_hits, &mut light);
+                for ((&(x, y), hit), found) in samples.iter().zip(sample_hits.iter()).zip(&light) {
+                    assert_eq!(*found, shader.color(x, y, &hit), "{shading:?}");
+                }
             }
         }
     }
+    channels_are_those_of_single_samples(&bench, &lattice, &sample_hits);
+}
+
+fn channels_are_those_of_single_samples(bench: &Bench, lattice: &Lattice, hits: &Hits) {
+    let count = hits.len();
+    let mut depth = vec![-1.0; count];
+    let (mut object, mut triangle) = (vec![77; count], vec![78; count]);
+    let (mut normal, mut uv) = (vec![[2.0; 3]; count], vec![[3.0; 2]; count]);
+    let shader = bench.shader(mode(Mode::Depth));
+    let channels = Channels {
+        depth: &mut depth,
+        object: &mut object,
+        triangle: &mut triangle,
+        normal: &mut normal,
+        uv: &mut uv,
+    };
+    shader.tile().channels(lattice, hits, channels);
+    let mut shown = 0;
+    for (at, hit) in hits.iter().enumerate() {
+        let found = (depth[at], object[at], triangle[at], normal[at], uv[at]);
+        if hit.is_miss() {
+            assert_eq!(found, (-1.0, 77, 78, [2.0; 3], [3.0; 2]));
+            continue;
+        }
+        shown += 1;
+        let numbers = bench.accel.identify(hit.primitive);
+        let (x, y) = lattice.place(at as u32 % lattice.columns, at as u32 / lattice.columns);
+        let surface = shader.surface(x, y, &hit);
+        assert_eq!(found, (hit.t, numbers.0, numbers.1, surface.0, surface.1));
+    }
+    assert!(shown > 100 && shown < count, "{shown} of {count}");
 }

@@ -5,6 +5,7 @@ use super::footprint::{Footprint, sample_over};
 use super::mapping::ObjectMapping;
 use super::sample::sample;
 use super::srgb::{self, Tables};
+use super::triplanar::Triplanar;
 use super::{Filter, Shading};
 use crate::hit::PrimitiveHit;
 use crate::scene::{Object, Reflectance, Scene, Texture};
@@ -69,6 +70,15 @@ impl Texturing {
         };
         let place = photographed.within(between(*corners, hit), texture);
         place.map(|_| photographed.eye())
+    }
+
+    /// How an object's textures are mapped from three sides, if they are.
+    #[inline]
+    pub(super) fn triplanar(&self, number: u32) -> Option<&Triplanar> {
+        match self.of(number)? {
+            ObjectMapping::Triplanar(triplanar) => Some(triplanar),
+            _ => None,
+        }
     }
 
     /// The texture's colour at a hit: linear light, premultiplied alpha.

@@ -1,39 +1,37 @@
 use super::facet::{Facet, SurfaceTriangle};
-use super::tile_rays::TileRays;
+use super::hit_rows::HitRows;
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
-use crate::camera::Rect;
+use crate::camera::{Lattice, Rect};
 use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::{DVec3, Vec3};
 
-/// How many triangles' colours are remembered: most of what 64 × 64 pixels show of triangles a few
-/// pixels wide, in two kilobytes.
+/// Entries of the cache of colours, two kilobytes: they hold most of the triangles that 64 × 64 pixels show where
+/// triangles are a few pixels wide.
 const COLORS: usize = 256;
 
-/// How many triangles are remembered: as many, though one takes some 300 bytes. They are worth it: a
-/// small triangle comes back in the next row.
+/// Entries of the cache of shading triangles, some 300 bytes each. A small triangle comes back in the next row of pixels;
+/// with fewer entries it would be prepared again.
 const FACETS: usize = 256;
 
-/// Pixels that are looked at together: most show one triangle, or none.
+/// Pixels that are tested at once for showing one triangle; most such runs do, or show none.
 const RUN: usize = 16;
 
-/// A [`Shader`] for many pixels near each other, which mostly show triangles already seen.
-///
-/// What it remembers changes nothing but the time: every answer is that of the [`Shader`].
+/// A [`Shader`] with caches of triangles, for neighbouring pixels. Its colours are those of the [`Shader`], bit for bit.
 #[derive(Debug)]
 pub struct TileShader<'s> {
     shader: &'s Shader<'s>,
-    /// Colours of triangles that have but one, by the low bits of their primitive index.
+    /// Colours of triangles with one colour: a direct-mapped cache, indexed by the low bits of the primitive index.
     colors: [(u32, [u8; 4]); COLORS],
-    /// The triangles themselves, where every pixel has a colour of its own.
+    /// Shading triangles, cached likewise; empty until one is needed.
     facets: Vec<(u32, Facet)>,
-    /// The triangles as channels beside colours have them.
+    /// Shading triangles for channels beside colours, cached likewise.
     surfaces: Vec<(u32, SurfaceTriangle)>,
 }
 
 impl Shader<'_> {
-    /// A shader for many pixels, on one thread: it remembers the triangles that it has shaded.
+    /// A shader with caches, for one thread.
     pub fn tile(&self) -> TileShader<'_> {
         TileShader::new(self)
     }
@@ -49,23 +47,28 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// Object and triangle of a hit of the pixels at `x`, and what [`Shader::surface`] says.
-    pub(crate) fn surface(&mut self, x: f64, hit: &PrimitiveHit) -> ([u32; 2], [f32; 3], [f32; 2]) {
-        let shader = self.shader;
-        let surface = |primitive| (primitive, shader.surface_triangle(primitive, x));
-        if self.surfaces.is_empty() {
-            self.surfaces = vec![surface(hit.primitive); FACETS];
+    /// A shading triangle for channels beside colours, cached or prepared: for the pixels at `x` alone where columns have
+    /// eyes of their own.
+    #[inline(always)]
+    pub(super) fn surface(&mut self, primitive: u32, x: f64) -> &SurfaceTriangle {
+        let place = primitive as usize % FACETS;
+        let known = self.surfaces.get(place);
+        if known.is_none_or(|(known, _)| *known != primitive) || self.shader.has_many_eyes() {
+            self.new_surface(primitive, x);
         }
-        let known = &mut self.surfaces[hit.primitive as usize % FACETS];
-        if known.0 != hit.primitive || shader.has_many_eyes() {
-            *known = surface(hit.primitive);
-        }
-        let (_, triangle) = known;
-        let (normal, uv) = triangle.at(hit.u, hit.v);
-        ([triangle.object, triangle.triangle], normal, uv)
+        &self.surfaces[place].1
     }
 
-    /// What it shades as.
+    #[inline(never)]
+    fn new_surface(&mut self, primitive: u32, x: f64) {
+        let surface = (primitive, self.shader.surface_triangle(primitive, x));
+        if self.surfaces.is_empty() {
+            self.surfaces = vec![surface; FACETS];
+        }
+        self.surfaces[primitive as usize % FACETS] = surface;
+    }
+
+    /// The shader whose colours these are.
     pub fn shader(&self) -> &'s Shader<'s> {
         self.shader
     }
@@ -88,14 +91,13 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// Where the texture was taken that a hit shows if it is seen from there; `None` where its colour does not depend on
-    /// that.
+    /// The eye of the photograph that a hit shows if it is visible from there; `None` where it shows none.
     pub(crate) fn taken_from(&mut self, x: f64, hit: &PrimitiveHit) -> Option<DVec3> {
         let shader = self.shader;
         shader.taken_from(self.facet(hit.primitive, x), hit)
     }
 
-    /// As [`Shader::color`] of a hit on a triangle, without its texture.
+    /// [`Shader::color`] of a hit on a triangle, without its texture.
     pub(crate) fn untextured(&mut self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         let shader = self.shader;
         let facet = Facet {
@@ -105,7 +107,7 @@ impl<'s> TileShader<'s> {
         shader.color_on(&facet, x, y, hit)
     }
 
-    /// A layer's colour, linear light, and how much of what lies behind it covers: `along` is the unit vector of the ray.
+    /// A layer's colour in linear light, and its opacity; `along` is the ray's unit direction.
     pub(crate) fn layer(
         &mut self,
         (x, y): (f64, f64),
@@ -128,9 +130,9 @@ impl<'s> TileShader<'s> {
         (Vec3::new(r, g, b), covers)
     }
 
-    /// Colours the pixels of `rect`, given as its rows, from hits at their centres, row by row.
+    /// Shades the pixels of `rect`, given as its rows, from the hits at their centres, row by row.
     ///
-    /// Pixels without a hit show what is behind everything; those beyond the rectangle are left alone.
+    /// Pixels without a hit show the background; pixels of `rows` beyond the rectangle stay as they are.
     pub fn shade<'p>(
         &mut self,
         rect: Rect,
@@ -138,7 +140,7 @@ impl<'s> TileShader<'s> {
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if let Some(colors) = self.shader.eight_colors() {
-            return self.shade_in_eights(colors, rect, hits, rows);
+            return self.shade_in_eights(colors, rect, HitRows::new(hits), rows);
         }
         let columns = rect.width as usize;
         for (y, pixels) in rows.enumerate().take(rect.height as usize) {
@@ -149,15 +151,28 @@ impl<'s> TileShader<'s> {
         }
     }
 
+    /// Shades the samples of a lattice, row by row, from their hits: linear light, straight alpha.
+    pub(crate) fn light(&mut self, lattice: &Lattice, hits: &Hits, light: &mut Vec<[f32; 4]>) {
+        light.resize(lattice.len(), [0.0; 4]);
+        if let Some(colors) = self.shader.eight_colors() {
+            return self.light_in_eights(colors, *lattice, hits, light);
+        }
+        let rows = light.chunks_mut(lattice.columns.max(1) as usize);
+        for (row, light) in (0..).zip(rows) {
+            let behind = self.shader.behind_row(lattice.place(0, row).1);
+            for (column, light) in (0..).zip(light) {
+                let hit = hits.get((row * lattice.columns + column) as usize);
+                let (x, y) = lattice.place(column, row);
+                *light = match behind {
+                    Some(behind) if hit.is_miss() => behind,
+                    _ => self.color(x, y, &hit),
+                };
+            }
+        }
+    }
+
     /// Some pixels of a row, one by one: the hits from `first` on.
-    pub(super) fn shade_hits(
-        &mut self,
-        left: u32,
-        y: u32,
-        hits: &Hits,
-        first: usize,
-        pixels: &mut [[u8; 4]],
-    ) {
+    fn shade_hits(&mut self, left: u32, y: u32, hits: &Hits, first: usize, pixels: &mut [[u8; 4]]) {
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
         for (column, pixel) in pixels.iter_mut().enumerate() {
@@ -171,14 +186,18 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// As [`TileShader::shade`] where the triangles alone are known: for pictures whose
-    /// [`Shader::detail`] asks for no more.
+    /// [`TileShader::shade`] from the triangles alone, where [`Shader::detail`] needs no more.
     pub fn shade_primitives<'p>(
         &mut self,
         rect: Rect,
         primitives: &[u32],
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
+        let is_constant = self.shader.is_constant() && !self.shader.has_overlay();
+        if let (false, Some(colors)) = (is_constant, self.shader.eight_colors()) {
+            let hits = HitRows::of_primitives(primitives);
+            return self.shade_in_eights(colors, rect, hits, rows);
+        }
         dispatch(
             self.shader.simd(),
             ShadePrimitives {
@@ -190,7 +209,7 @@ impl<'s> TileShader<'s> {
         );
     }
 
-    /// Pixels of a row, from column `left` on. `CONSTANT` says whether triangles have but one colour.
+    /// Shades pixels of a row, from column `left` on. `CONSTANT`: each triangle has one colour.
     #[inline(always)]
     fn shade_row<const CONSTANT: bool>(
         &mut self,
@@ -203,7 +222,7 @@ impl<'s> TileShader<'s> {
         let (primitives, pixels) = (&primitives[..count], &mut pixels[..count]);
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
-        // A miss is one more triangle of one colour, which changes from row to row.
+        // Misses are cached as a triangle of one colour, which changes from row to row.
         self.colors[MISS as usize % COLORS] = (MISS, backdrop);
         let (runs, _) = primitives.as_chunks::<RUN>();
         for (run, primitives) in runs.iter().enumerate() {
@@ -239,7 +258,7 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// The colour of a triangle that has but one, or of a miss.
+    /// The colour of a triangle with one colour, or of a miss.
     #[inline(always)]
     fn constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
         let (known, color) = self.colors[primitive as usize % COLORS];
@@ -252,7 +271,7 @@ impl<'s> TileShader<'s> {
 
     #[inline(never)]
     fn new_constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
-        // Another triangle may have taken the place of the miss.
+        // Another triangle may have taken the cache entry of misses.
         let color = if primitive != MISS && self.shader.is_constant() {
             self.shader.constant_color(primitive)
         } else {
@@ -263,7 +282,7 @@ impl<'s> TileShader<'s> {
         color
     }
 
-    /// A triangle, remembered or made ready: for the pixels at `x` alone, if they have an eye of their own.
+    /// A shading triangle, cached or prepared: for the pixels at `x` alone where columns have eyes of their own.
     #[inline(always)]
     pub(super) fn facet(&mut self, primitive: u32, x: f64) -> &Facet {
         let place = primitive as usize % FACETS;
@@ -297,7 +316,7 @@ pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
     &mut pixels[..count]
 }
 
-/// What [`TileShader::shade_primitives`] is asked.
+/// The arguments of [`TileShader::shade_primitives`].
 struct ShadePrimitives<'t, 's, 'h, R> {
     shader: &'t mut TileShader<'s>,
     rect: Rect,
@@ -307,14 +326,12 @@ struct ShadePrimitives<'t, 's, 'h, R> {
 
 impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_, '_, R> {
     #[inline(always)]
-    fn run(self, lanes: impl Lanes) {
+    fn run(self, _: impl Lanes) {
         let columns = self.rect.width.max(1) as usize;
         let left = self.rect.x;
         let shader = self.shader;
         let constant = shader.shader.is_constant();
-        let lit = (shader.shader.eight_colors()).filter(|_| shader.shader.looks_at_eyes());
         let has_overlay = shader.shader.has_overlay();
-        let rays = TileRays::new(shader.shader, self.rect);
         let primitives = self.primitives.chunks(columns);
         for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
             if has_overlay {
@@ -322,8 +339,6 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
                     let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
                     *pixel = shader.pixel8(x, y, &on(primitive));
                 }
-            } else if let Some(colors) = lit {
-                shader.shade_lit_row(lanes, colors, &rays, (left, y), primitives, pixels);
             } else if constant {
                 shader.shade_row::<true>(left, y, primitives, pixels);
             } else {
@@ -335,7 +350,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
 }
 
 /// A hit of which nothing is known but the triangle.
-pub(super) fn on(primitive: u32) -> PrimitiveHit {
+fn on(primitive: u32) -> PrimitiveHit {
     PrimitiveHit {
         primitive,
         ..PrimitiveHit::NONE

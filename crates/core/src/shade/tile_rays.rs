@@ -1,45 +1,71 @@
-//! The rays of a tile's pixels, where colours depend on them.
+//! The places of a tile's samples, and directions from them to the eye.
 
 use super::Shader;
 use super::smooth::{Rows, Vectors};
-use crate::camera::{PanoramaRays, Rect};
+use crate::camera::{Lattice, PanoramaRays};
 use crate::num::simd::{LANES, Lanes};
 
-/// The rays of a tile's pixels, where they are worked out eight at a time.
+/// The rays of a tile's samples, one a pixel.
 pub(super) struct TileRays {
-    /// Of a panorama in a mode whose colours depend on where the eye is.
+    lattice: Lattice,
+    /// The rays of a panorama, in modes that depend on the direction to the eye.
     around: Option<PanoramaRays>,
-    /// Column and row of the first pixel.
-    first: (u32, u32),
 }
 
 impl TileRays {
-    pub(super) fn new(shader: &Shader<'_>, rect: Rect) -> Self {
+    pub(super) fn new(shader: &Shader<'_>, lattice: Lattice) -> Self {
+        let around = || PanoramaRays::new(&lattice);
         Self {
-            around: shader.looks_at_eyes().then(|| shader.rays(rect)).flatten(),
-            first: (rect.x, rect.y),
+            around: shader.looks_at_eyes().then(around).flatten(),
+            lattice,
         }
     }
 
-    /// Unit vectors to the eye from what eight pixels of a row show.
+    /// A ray's place in the picture, in pixels.
+    pub(super) fn place(&self, column: u32, row: u32) -> (f64, f64) {
+        self.lattice.place(column, row)
+    }
+
+    /// The y of a row's places.
+    #[inline(always)]
+    pub(super) fn row(&self, row: u32) -> f64 {
+        self.lattice.place(0, row).1
+    }
+
+    /// The row of pixels in the picture that a row's samples belong to.
+    #[inline(always)]
+    pub(super) fn pixel_row(&self, row: u32) -> u32 {
+        self.lattice.y + row
+    }
+
+    /// The x of eight places, from a column on.
+    #[inline(always)]
+    pub(super) fn columns(&self, column: u32) -> [f64; LANES] {
+        let first = f64::from(self.lattice.x + column);
+        let mut all = [0.0; LANES];
+        for (lane, x) in all.iter_mut().enumerate() {
+            *x = first + lane as f64 + self.lattice.offset.0;
+        }
+        all
+    }
+
+    /// Unit vectors from eight samples of a row to the eye.
     #[inline(always)]
     pub(super) fn to_eye<L: Lanes>(
         &self,
         lanes: L,
         shader: &Shader<'_>,
-        (left, y): (u32, u32),
+        (column, row): (u32, u32),
     ) -> Vectors<L> {
         match &self.around {
-            Some(around) => {
-                let to_eye = around.eight_to_eye(left - self.first.0, y - self.first.1);
-                Vectors::load(lanes, &Rows(to_eye))
-            }
+            Some(around) => Vectors::load(lanes, &Rows(around.eight_to_eye(column, row))),
             None => {
+                let places = self.columns(column);
                 let mut x = [0.0; LANES];
-                for (lane, x) in x.iter_mut().enumerate() {
-                    *x = left as f32 + lane as f32 + 0.5;
+                for (x, place) in x.iter_mut().zip(places) {
+                    *x = place as f32;
                 }
-                shader.eight_to_eye(lanes, (&x, y as f32 + 0.5))
+                shader.eight_to_eye(lanes, (&x, self.row(row) as f32))
             }
         }
     }

@@ -9,6 +9,7 @@ pub(crate) mod exact;
 pub(crate) mod interpolate;
 pub(crate) mod linear;
 mod nearest;
+pub(crate) mod plane;
 #[cfg(test)]
 mod row_tests;
 mod watertight;

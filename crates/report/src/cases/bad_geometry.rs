@@ -1,4 +1,4 @@
-//! Triangles that are none, rays that are none, and too many of the same.
+//! Degenerate triangles, invalid rays, and many duplicates.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -52,7 +52,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Every fourth triangle is a good one: those whose number is 3 modulo 4.
+/// Triangles whose id is 3 modulo 4 are valid; the others have no area.
 fn no_area(_: u32) -> Setting {
     let mut random = Random::new(21);
     let mut corners = Vec::new();
@@ -60,7 +60,7 @@ fn no_area(_: u32) -> Setting {
         let place = random.in_cube();
         let [a, b]: [DVec3; 2] =
             std::array::from_fn(|_| (place + random.in_cube() * 0.5).as_vec3().as_dvec3());
-        // Points on a line that single precision holds exactly.
+        // Collinear points that single precision represents exactly.
         let start = (a * 64.0).round() / 64.0;
         let step = DVec3::new(0.5, 0.25, -0.125);
         corners.push(match i % 4 {
@@ -182,7 +182,7 @@ fn copies(variant: u32) -> Setting {
     let unit = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
     let target = DVec3::new(0.4, 0.4, 0.0);
     let eye = target + DVec3::new(0.1, 0.2, 3.0);
-    // Every ray asks every copy: few of them do.
+    // Few rays, because every ray tests every duplicate.
     let camera = camera(eye, target, PROJECTIONS[0], (6, 4), 1.5);
     let places = [(0.2, 0.3), (0.0, 0.0), (0.5, 0.5), (0.7, 0.7)];
     Setting::of([mesh(unit, vec![[0, 1, 2]; count])])

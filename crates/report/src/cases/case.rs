@@ -1,23 +1,23 @@
-//! A hard case: what it is about, and how it is put up.
+//! A hard case: its theme and its settings.
 
 use super::setting::Setting;
 
-/// What goes wrong in a case.
+/// The kind of error that a case provokes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CaseTheme {
-    /// Rays pass where there is a surface.
+    /// Rays pass through a closed surface.
     Leaks,
-    /// Zeros, signs and ties are decided wrongly.
+    /// Signs, zeros and ties are handled wrongly.
     Signs,
-    /// Large, small, far and near together.
+    /// Very large and very small coordinates and distances together.
     Scale,
-    /// Triangles and rays that are none.
+    /// Degenerate or invalid triangles and rays.
     BadGeometry,
-    /// The same question gets different answers.
+    /// The same ray gets different hits.
     Sameness,
-    /// One set-up serves many rays.
+    /// Errors of packet traversal, which sets a triangle up once for many rays.
     Packets,
-    /// Answers that take too long.
+    /// Scenes that take a caster far too long.
     Time,
 }
 
@@ -33,7 +33,7 @@ impl CaseTheme {
         Self::Time,
     ];
 
-    /// What it is called.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Leaks => "leaks",
@@ -47,28 +47,28 @@ impl CaseTheme {
     }
 }
 
-/// A hard case: one or several settings, made when they are asked for.
+/// A hard case: one or more settings, built on demand.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
-    /// What it is called: lower case, with underscores.
+    /// Its name: lower case, with underscores.
     pub name: &'static str,
-    /// What it is about.
+    /// The kind of error that it provokes.
     pub theme: CaseTheme,
-    /// What goes wrong elsewhere, in a line.
+    /// What goes wrong in other casters, in one line.
     pub trouble: &'static str,
-    /// How many settings it has, at least one.
+    /// The number of settings, at least one.
     pub variants: u32,
-    /// Puts one of them up: `variant` < `variants`.
+    /// Builds the setting of a variant below `variants`.
     pub setting: fn(variant: u32) -> Setting,
 }
 
 impl Case {
-    /// All its settings, one after the other.
+    /// All its settings in order.
     pub fn settings(self) -> impl Iterator<Item = Setting> {
         (0..self.variants).map(self.setting)
     }
 
-    /// The name in words.
+    /// The name with spaces instead of underscores.
     pub fn title(self) -> String {
         self.name.replace('_', " ")
     }

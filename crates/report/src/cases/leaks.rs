@@ -1,4 +1,4 @@
-//! Closed surfaces that rays must not pass.
+//! Closed surfaces, through which no ray may pass.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -71,7 +71,7 @@ pub(super) const CASES: &[Case] = &[
 
 const FAR: DVec3 = DVec3::new(148_376.0, 1234.0, -223_423.0);
 
-/// A corner of a mesh, or a point of an edge.
+/// A vertex of a mesh, or a point on an edge.
 fn corner_or_edge(mesh: &Mesh, random: &mut Random) -> DVec3 {
     let number = random.below(mesh.triangles().len() as u32) as usize;
     let [a, b, _] =
@@ -83,7 +83,8 @@ fn corner_or_edge(mesh: &Mesh, random: &mut Random) -> DVec3 {
     }
 }
 
-/// `nudges`: rays aim at corners and edges, within so many units in the last place; or anywhere.
+/// A sphere far from the origin with rays from inside it. With `nudges`, rays aim at vertices and edges, off by up
+/// to so many units in the last place; without, in any direction.
 fn far_sphere(nudges: Option<u32>) -> Setting {
     let sphere = meshes::sphere(FAR, 2.0, 200);
     let cameras = DVec3::AXES.map(|axis| {
@@ -148,7 +149,7 @@ fn common_edge(variant: u32) -> Setting {
 
 fn integer_heights(side: u32) -> Setting {
     let field = meshes::integer_heights(side, 4);
-    // One ray a vertex, and with half the step through edges' middles and the diagonals'.
+    // One ray per vertex; with half the step also through the middles of edges and diagonals.
     let cameras = [1, 2].map(|halves| {
         let count = (side - 2) * halves;
         let middle = f64::from(side) * 0.5 + 0.5 / f64::from(halves);
@@ -179,7 +180,7 @@ fn octahedron(_: u32) -> Setting {
                 let turned =
                     |p: [f64; 3]| DVec3::new(p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]);
                 let target = turned([x, y, 0.0]);
-                // From an eye on the axis, the silhouette is where the coordinates across add to 1.
+                // From an eye on the axis, the silhouette is where |x| + |y| = 1 in the plane across it.
                 for eye in [turned([0.0, 0.0, 4.0]), turned([0.0, 0.0, -8.0])] {
                     rays.push(Ray::new(eye, target - eye));
                 }
@@ -189,7 +190,7 @@ fn octahedron(_: u32) -> Setting {
             }
         }
     }
-    // 1/32 a pixel, pixels' centres at multiples of it: the silhouette goes through them.
+    // Pixels of 1/32 with centres at multiples of it, so that rays go exactly through the silhouette.
     let aside = DVec3::new(1.0 / 64.0, -1.0 / 64.0, 0.0);
     let cameras = PROJECTIONS
         .map(|projection| camera(aside + DVec3::Z * 4.0, aside, projection, (96, 96), 3.0));

@@ -1,8 +1,8 @@
-//! Places where known ray casters go wrong: scenes, rays and cameras, whose outcome is what the
-//! oracle says. One list serves tests, the report and the viewer.
+//! Hard cases: scenes, rays and cameras for which known ray casters fail. The oracle gives the right hits. Tests,
+//! the report and the viewer share this list.
 //!
 //! [`leaks`], [`signs`], [`scale`], [`bad_geometry`], [`sameness`], [`packets`] and [`time`] hold the cases by
-//! theme; [`setting`] is what a case puts up.
+//! theme; [`setting`] defines what a case provides.
 
 pub mod bad_geometry;
 mod case;
@@ -17,7 +17,7 @@ pub mod time;
 pub use case::{Case, CaseTheme};
 pub use setting::Setting;
 
-/// All cases, theme by theme. Nothing is built yet.
+/// All cases, ordered by theme. Their scenes are built on demand.
 pub fn all() -> Vec<Case> {
     [
         leaks::CASES,
@@ -31,7 +31,7 @@ pub fn all() -> Vec<Case> {
     .concat()
 }
 
-/// The case of a name.
+/// Finds a case by its name.
 pub fn find(name: &str) -> Option<Case> {
     all().into_iter().find(|case| case.name == name)
 }

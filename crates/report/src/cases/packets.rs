@@ -1,4 +1,4 @@
-//! What is hard for a kernel that sets a triangle up once for many rays.
+//! Scenes that are hard for kernels that set a triangle up once for many rays.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -107,7 +107,7 @@ pub(super) const CASES: &[Case] = &[
 
 const CULLS: [Cull; 2] = [Cull::None, Cull::Back];
 
-/// A sphere whose radius changes from vertex to vertex.
+/// A sphere with a random radius at each vertex.
 fn bumpy(random: &mut Random, center: DVec3, radius: f64, steps: u32, bumps: f64) -> Mesh {
     let smooth = meshes::sphere(DVec3::ZERO, 1.0, steps);
     let positions = smooth
@@ -140,7 +140,7 @@ fn smaller_than_a_pixel(variant: u32) -> Setting {
 }
 
 fn changing_density(variant: u32) -> Setting {
-    // Cells grow by a tenth from one to the next.
+    // Each cell is 10 % longer than the one before.
     let place = |i: u32| 1e-3 * 1.1f64.powi(i as i32);
     let ground = meshes::grid(140, 140, |x, y| {
         DVec3::new(place(x), place(y), 0.02 * f64::from((x * 7 + y * 3) % 5))
@@ -165,7 +165,7 @@ fn around_the_eye(variant: u32) -> Setting {
             let mut corner = || eye + random.direction() * scale * random.decade(-3.0, 3.0);
             let [a, b, c] = [corner(), corner(), corner()];
             match i % 5 {
-                // A corner, an edge or the plane through the eye itself.
+                // The eye is a corner, the middle of an edge, or the centroid.
                 0 => [eye, b, c],
                 1 => [a, eye * 2.0 - a, c],
                 2 => [a, b, eye * 3.0 - a - b],
@@ -199,7 +199,7 @@ fn edge_on(variant: u32) -> Setting {
             if i % 2 == 0 {
                 [a, b, c]
             } else {
-                // In a plane through the eye, all three, as near as numbers allow.
+                // All three corners are in one plane with the eye, up to rounding.
                 let third = eye + (a - eye) * 0.7 + (c - eye) * 0.9;
                 [a, c, random.nudge(third, 2)]
             }
@@ -244,13 +244,14 @@ fn corners_on_pixel_centres(variant: u32) -> Setting {
                 } else {
                     depths[random.below(4) as usize]
                 };
-                // The same place of the picture, nearer or further.
+                // The same position in the perspective picture at another depth.
                 let shrunk = (32.0 - z) / 32.0 * 0.25;
                 shift + DVec3::new(x * shrunk, y * shrunk, z * 0.25) * scale
             })
         })
         .collect();
-    // Half a pixel aside, a quarter wide: centres lie where the corners may.
+    // Pixels have a size of a quarter and are shifted by half of it, so that their centres coincide with possible
+    // corners.
     let aside = shift + DVec3::new(0.125, -0.125, 0.0) * scale;
     let eye = aside + DVec3::Z * 8.0 * scale;
     Setting::of([soup(&corners)])
@@ -258,8 +259,8 @@ fn corners_on_pixel_centres(variant: u32) -> Setting {
         .culled(CULLS[variant as usize % 2])
 }
 
-/// An edge goes on beyond two rays at the corners of cells: the triangle holds a whole cell, or all of
-/// it but one ray.
+/// Triangles with an edge along the line through two corner rays of cells: a cell is covered completely, or but for
+/// one ray.
 fn edges_through_cell_corners(variant: u32) -> Setting {
     let mut random = Random::new(1060 + u64::from(variant));
     let projection = PROJECTIONS[variant as usize % 2];
@@ -269,7 +270,7 @@ fn edges_through_cell_corners(variant: u32) -> Setting {
     };
     let eye = shift + DVec3::new(0.3, -0.2, 5.0);
     let camera = camera(eye, shift, projection, (136, 136), 3.0);
-    // Few of them too: many hide each other.
+    // Few triangles too, because many occlude one another.
     let count = [24, 2, 1][variant as usize / 4 % 3];
     let corners: Vec<[DVec3; 3]> = (0..count)
         .map(|_| {
@@ -404,7 +405,7 @@ fn fan_on_a_pixel(variant: u32) -> Setting {
     }
     let triangles = (0..spokes).map(|i| [0, 1 + i, 1 + (i + 1) % spokes]);
     let fan = mesh(positions, triangles.collect());
-    // Behind it, long edges side by side.
+    // Long edges close to each other, behind the fan.
     let strip = meshes::grid(1, 40, |x, y| {
         let (x, y) = (f64::from(x) - 0.5, f64::from(y) * 0.1 - 2.0);
         DVec3::new(x * 200.0, y, -1.0)
@@ -451,7 +452,7 @@ fn narrow_and_wide(variant: u32) -> Setting {
 
 fn narrower_than_rounding(variant: u32) -> Setting {
     let mut random = Random::new(1200 + u64::from(variant));
-    // Alone: where a surface goes on, what one triangle loses the next one has.
+    // A single triangle: within a surface, its neighbour would hide that a ray misses it.
     let corners = [(); 3].map(|()| random.in_cube().as_vec3().as_dvec3());
     let target = corners[0];
     let eye = target + random.direction() * random.between(2.0, 9.0);

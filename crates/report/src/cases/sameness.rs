@@ -1,4 +1,4 @@
-//! One ray, given in several ways.
+//! The same ray, given in different ways.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -72,7 +72,7 @@ fn culled_sphere(variant: u32) -> Setting {
         })
 }
 
-/// Even triangles turn their fronts up +Z, odd ones down.
+/// Triangles with even ids have their fronts towards +Z, those with odd ids towards −Z.
 fn alternating_fronts(variant: u32) -> Setting {
     let mut random = Random::new(30);
     let corners: Vec<[DVec3; 3]> = (0..1000)
@@ -99,7 +99,7 @@ fn unit_triangle(_: u32) -> Setting {
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
-            // Single precision, as a file of rays has it; the eye and the target are exact.
+            // The target is rounded to single precision, as in a file of rays, so that it is exact; so is the eye.
             Ray::new(eye, Vec3::new(u as f32, v as f32, 0.0).as_dvec3() - eye)
         })
 }

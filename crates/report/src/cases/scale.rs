@@ -1,4 +1,4 @@
-//! Large and small, near and far, and all of them together.
+//! Large and small, near and far, each alone and all together.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -110,7 +110,7 @@ fn powers_of_two(variant: u32) -> Setting {
     let scale = 2f64.powi(power);
     let mut random = Random::new(14 + u64::from(variant % 2));
     let plain = meshes::random_soup(&mut random, 80, DVec3::ZERO, 1.0, size);
-    // Rounded once, before they are scaled: the scene is the same but for the power.
+    // Corners are rounded once, before scaling by a power of two, so that scenes of one size differ only by the factor.
     let corners: Vec<[DVec3; 3]> = (0..80)
         .filter_map(|number| plain.corners(number))
         .map(|corners| corners.map(|p| (plain.offset() + p.as_dvec3()) * scale))
@@ -164,7 +164,7 @@ fn origins_beyond_the_scene(_: u32) -> Setting {
             2.5,
         )])
         .making(|random| {
-            // Along an axis: at such a distance any other direction aims at nothing.
+            // Parallel to an axis: with an origin up to 1e300 away, any other direction would miss the scene.
             let axis = random.below(3) as usize;
             let mut quarter = || f64::from(random.below(11)) * 0.25 - 1.25;
             let mut origin = DVec3::new(quarter(), quarter(), quarter());
@@ -203,7 +203,8 @@ fn half_a_trillion(_: u32) -> Setting {
 fn grazed_sliver(variant: u32) -> Setting {
     let mut random = Random::new(1700 + u64::from(variant));
     let (middle, short) = (9.7f64, 1.4f64);
-    // 11.2 > 9.7 + 1.4 would not close; then the corner opposite the long edge, from the lengths.
+    // The sides 11.2, 9.7 and 1.4 would form no triangle, so the longest is shortened. The law of cosines gives the
+    // corner opposite it.
     let long = 11.2f64.min(middle + short - 1e-2);
     let along = (middle * middle + long * long - short * short) / (2.0 * long);
     let across = (middle * middle - along * along).sqrt();
@@ -254,7 +255,7 @@ fn small_thing_on_vast_ground(_: u32) -> Setting {
         })
 }
 
-/// A sphere whose corners are multiples of 2⁻²⁰, which a double holds at 1e7 too.
+/// A sphere whose corners are multiples of 2⁻²⁰, which double precision represents exactly at 1e7 too.
 fn ten_million_away(variant: u32) -> Setting {
     let by = [
         DVec3::new(1e7, 0.0, 0.0),
@@ -273,7 +274,7 @@ fn ten_million_away(variant: u32) -> Setting {
         })
 }
 
-/// The sphere of `ten_million_away`, moved.
+/// The sphere of `ten_million_away`, translated.
 pub fn moved_sphere(by: DVec3) -> Mesh {
     let grain = 2f64.powi(20);
     let near = meshes::sphere(DVec3::ZERO, 1.0, 40);
@@ -284,14 +285,14 @@ pub fn moved_sphere(by: DVec3) -> Mesh {
     mesh(points.collect(), near.triangles().to_vec())
 }
 
-/// The second object's corners have whole coordinates, which are kept at 1e7.
+/// The corners of the second object are integers, which single precision represents exactly at 1e7.
 fn next_to_what_is_stored_far_away(variant: u32) -> Setting {
     let mut random = Random::new(1900 + u64::from(variant));
     let far = DVec3::X * 1e7;
     let first = meshes::cuboid(far - DVec3::ONE, far + DVec3::ONE);
     let second = meshes::integer_heights(8, variant.into());
     let corners: Vec<DVec3> = second.positions().iter().map(|p| p.as_dvec3()).collect();
-    // On the border: where a surface goes on, what one triangle loses the next one has.
+    // At the border: inside the surface, the neighbour would hide that a ray misses a triangle.
     let target = corners[random.below(9) as usize];
     let eye = target + random.direction() * random.between(3.0, 9.0);
     let height = match variant % 2 {
@@ -303,7 +304,7 @@ fn next_to_what_is_stored_far_away(variant: u32) -> Setting {
         .making(move |random| {
             let origin = target + random.direction() * random.between(1.0, 9.0);
             let (a, b) = (random.below(81) as usize, random.below(81) as usize);
-            // Half of them at corners, half between two of them: often along an edge.
+            // Half of the rays aim at a corner, half at the midpoint of two corners, which is often on an edge.
             let share = [0.0, 0.5][random.below(2) as usize];
             let aim = corners[a] + (corners[b] - corners[a]) * share;
             Ray::new(origin, aim - origin)

@@ -1,4 +1,4 @@
-//! What a hard case puts up: a scene, rays, cameras.
+//! What a hard case provides: a scene, rays, cameras.
 
 use crate::stage::scene_of;
 use raycast_core::Cull;
@@ -7,32 +7,32 @@ use raycast_core::scene::{Mesh, Scene};
 use raycast_oracle::random::Random;
 use std::fmt;
 
-/// Makes rays, one after the other, without end.
+/// Generates any number of rays from a source of random numbers.
 type Make = Box<dyn Fn(&mut Random) -> Ray + Send + Sync>;
 
-/// A scene with rays to cast at it and cameras to look at it.
+/// A scene with rays and cameras.
 pub struct Setting {
     /// The scene.
     pub scene: Scene,
-    /// Where to look at it from: at least one. Each has its own lattice of rays.
+    /// Cameras, at least one. The rays of each form a lattice of their own.
     pub cameras: Vec<Camera>,
-    /// Which faces rays hit.
+    /// Which sides of triangles rays can hit.
     pub cull: Cull,
-    /// Whether every ray, of the cameras too, hits something: a miss is a leak.
+    /// Whether every ray, of cameras too, must hit a triangle. A miss is then a leak.
     pub is_closed: bool,
-    /// Rays that are always cast.
+    /// Fixed rays.
     given: Vec<Ray>,
-    /// More of them, as many as anyone likes.
+    /// Generates additional rays.
     make: Option<Make>,
 }
 
 impl Setting {
-    /// These meshes, each where it is, as a camera sees them.
+    /// A setting of these meshes, each an object without a transform; it has no cameras yet.
     pub fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self {
         Self::new(scene_of(meshes))
     }
 
-    /// This scene.
+    /// A setting of this scene, without rays and cameras yet.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,
@@ -44,42 +44,42 @@ impl Setting {
         }
     }
 
-    /// Looked at by these cameras too.
+    /// Adds cameras.
     pub fn seen(mut self, cameras: impl IntoIterator<Item = Camera>) -> Self {
         self.cameras.extend(cameras);
         self
     }
 
-    /// With these rays.
+    /// Adds fixed rays.
     pub fn given(mut self, rays: impl IntoIterator<Item = Ray>) -> Self {
         self.given.extend(rays);
         self
     }
 
-    /// With as many rays as this makes.
+    /// Generates additional rays by `make`.
     pub fn making(mut self, make: impl Fn(&mut Random) -> Ray + Send + Sync + 'static) -> Self {
         self.make = Some(Box::new(make));
         self
     }
 
-    /// No ray may miss.
+    /// Requires every ray to hit.
     pub fn closed(mut self) -> Self {
         self.is_closed = true;
         self
     }
 
-    /// Rays hit these faces.
+    /// Sets which sides rays can hit.
     pub fn culled(mut self, cull: Cull) -> Self {
         self.cull = cull;
         self
     }
 
-    /// Whether there are as many rays as anyone likes.
+    /// Whether it can generate any number of rays.
     pub fn is_endless(&self) -> bool {
         self.make.is_some()
     }
 
-    /// At most `most` rays: those that are given, then those that a seed makes.
+    /// At most `most` rays: the fixed ones, then rays generated from `seed`.
     pub fn rays(&self, most: usize, seed: u64) -> Vec<Ray> {
         let mut rays: Vec<Ray> = self.given.iter().copied().take(most).collect();
         if let Some(make) = &self.make {
@@ -89,7 +89,7 @@ impl Setting {
         rays
     }
 
-    /// At most `most` of the cameras' rays, each camera's evenly spread over its picture.
+    /// At most `most` camera rays, distributed evenly over the cameras and over each picture.
     pub fn camera_rays(&self, most: usize) -> Vec<Ray> {
         let each = most / self.cameras.len().max(1);
         let mut rays = Vec::new();

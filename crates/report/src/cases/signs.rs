@@ -1,4 +1,4 @@
-//! Zeros of both signs, ties, eyes on what they look at.
+//! Zeros of both signs, ties, and eyes on the surface that they look at.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -56,7 +56,7 @@ fn negative_zeros(_: u32) -> Setting {
         .map(|projection| camera(DVec3::Z * 5.0, DVec3::ZERO, projection, (48, 48), 3.0));
     Setting::of(box_and_soup).seen(cameras).making(|random| {
         let across = if random.below(3) == 0 {
-            // On the cube's edges and in its planes.
+            // In the cube's face planes, some on its edges.
             DVec3::new(1.0, f64::from(random.below(5)) * 0.5 - 1.0, 0.0)
         } else {
             random.in_cube() * 1.5
@@ -76,7 +76,7 @@ fn negative_zeros(_: u32) -> Setting {
 }
 
 fn in_the_plane_of_a_face(_: u32) -> Setting {
-    // All places on the cube's own lattice, its border included.
+    // Pixel centres are at multiples of 1/16, some of them in the cube's face planes.
     let aside = DVec3::new(1.0 / 32.0, -1.0 / 32.0, 0.0);
     let cameras = PROJECTIONS
         .map(|projection| camera(aside + DVec3::Z * 5.0, aside, projection, (64, 64), 4.0));

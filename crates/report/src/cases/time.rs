@@ -68,6 +68,10 @@ pub const RACES: &[Entry] = &[
     // Single precision does not tell the front from the back: each ray decides between the two.
     entry("tiny_and_far", tiny_and_far),
     entry("layers_in_one_plane", one_plane),
+    // Some 20 layers are in front at one ray or another, and each packet compares all with them.
+    entry("layers_a_rounding_apart", rounded_layers),
+    entry("layers_apart_by_subnormal_numbers", subnormal_layers),
+    entry("eye_next_to_a_corner_of_layers", next_to_layers),
 ];
 
 macro_rules! case {
@@ -148,6 +152,24 @@ pub(super) const CASES: &[Case] = &[
         one_plane,
         (24, 18),
         "64 large triangles in one plane: a tie at every ray, and each tells all of them apart."
+    ),
+    case!(
+        "layers_a_rounding_apart",
+        rounded_layers,
+        (6, 4),
+        "20,000 layers some units in the last place apart: single precision leaves all of them undecided at every ray."
+    ),
+    case!(
+        "layers_apart_by_subnormal_numbers",
+        subnormal_layers,
+        (24, 18),
+        "2,000 triangles of one plane but for corners up to 4e-45 off it: double precision does not tell their distances apart."
+    ),
+    case!(
+        "eye_next_to_a_corner_of_layers",
+        next_to_layers,
+        (24, 18),
+        "The eye next to the corner that 2,000 layers share but for roundings: beside the far edge's, the edge functions of the two near edges are zero."
     ),
 ];
 
@@ -338,4 +360,51 @@ fn one_plane() -> Race {
         })
         .collect();
     seen_from(EYE, of(soup(&corners)), ordinary(64, 1.0))
+}
+
+/// The corners of layers, as single precision holds them.
+const LAYER: [DVec3; 3] = [
+    DVec3::new(-1.0, -1.0, 0.1),
+    DVec3::new(1.1, -1.0, 0.2),
+    DVec3::new(0.1, 1.2, 0.3),
+];
+
+/// Triangles of these corners, each coordinate moved by up to three units in its last place; and as many whose corners
+/// are moved by up to 0.3.
+fn layers(count: usize, corners: [DVec3; 3]) -> [Scene; 2] {
+    let mut random = Random::new(450);
+    let mut moved = |x: f64| {
+        let steps = random.between(-3.5, 3.5).round() as i32;
+        let x = x as f32;
+        let step = |x: f32| {
+            if steps < 0 {
+                x.next_down()
+            } else {
+                x.next_up()
+            }
+        };
+        f64::from((0..steps.abs()).fold(x, |x, _| step(x)))
+    };
+    let mut hostile = || corners.map(|c| DVec3::from_array(c.to_array().map(&mut moved)));
+    let hostile: Vec<[DVec3; 3]> = (0..count).map(|_| hostile()).collect();
+    let mut random = Random::new(460);
+    let mut ordinary = || corners.map(|corner| corner + random.in_cube() * 0.3);
+    let ordinary: Vec<[DVec3; 3]> = (0..count).map(|_| ordinary()).collect();
+    [hostile, ordinary].map(|corners| of(soup(&corners)))
+}
+
+fn rounded_layers() -> Race {
+    let [hostile, ordinary] = layers(20_000, LAYER);
+    seen_from(DVec3::Z * 3.0, hostile, ordinary)
+}
+
+fn subnormal_layers() -> Race {
+    let [hostile, ordinary] = layers(2000, LAYER.map(|corner| corner.with_z(0.0)));
+    seen_from(DVec3::Z * 3.0, hostile, ordinary)
+}
+
+fn next_to_layers() -> Race {
+    let [hostile, ordinary] = layers(2000, LAYER);
+    let away = DVec3::new(1e-8, 2e-8, 1e-7);
+    seen_from(single(LAYER[0]) + away, hostile, ordinary)
 }

@@ -1,8 +1,8 @@
-//! A plain tree of boxes that loses no ray, so that what goes wrong is the triangle test's doing.
+//! A simple binary BVH whose box tests lose no ray, so that every error is the triangle test's.
 //!
-//! Leaves are runs of [`RUN`] triangles in the order of RayCast's own leaves, where neighbours lie
-//! together; above them each box holds the next two below. Boxes are tested in double precision with
-//! their far ends moved out (Ize, "Robust BVH Ray Traversal", JCGT 2013).
+//! Leaves are runs of [`RUN`] triangles in RayCast's leaf order, in which neighbours are close in space; each box
+//! above contains the next two boxes below. Boxes are tested in double precision with conservative rounding (Ize,
+//! "Robust BVH Ray Traversal", JCGT 2013).
 
 use super::one_ray::{OneRay, OwnRay};
 use super::triangle::{ClosestHit, TriangleTest};
@@ -10,20 +10,21 @@ use super::vector::Vector;
 use raycast_core::glam::{DVec3, Vec3};
 use raycast_core::{Accel, PrimitiveHit};
 
-/// Triangles in a leaf.
+/// Triangles of a leaf.
 const RUN: usize = 4;
 
-/// More than two roundings can take from a distance along a ray: (1 + 2⁻⁵³)³ and its inverse, for
-/// the difference, the inverse direction and the product, on both ends.
+/// Factor by which both ends of a box's interval are moved apart. Each end has three roundings (difference,
+/// reciprocal, product), so it is off by a factor of at most (1 + 2⁻⁵³)³ or its inverse. With a smaller factor rays
+/// could pass between boxes.
 const OUTWARDS: f64 = 1.0 + 8.0 * f64::EPSILON;
 
-/// Levels that 2³² triangles can have.
+/// Stack size: more than the levels of a binary tree over 2³² triangles in leaves of [`RUN`].
 const DEPTH: usize = 40;
 
 pub(super) struct Boxes<T> {
-    /// In the order of the primitive indices.
+    /// In leaf order.
     triangles: Vec<T>,
-    /// Lowest and highest coordinates, from the leaves up to the root.
+    /// Minimum and maximum of each box, level by level from the leaves to the root.
     levels: Vec<Vec<[Vec3; 2]>>,
 }
 
@@ -104,14 +105,15 @@ impl<T: TriangleTest> OneRay for Boxes<T> {
     }
 }
 
-/// Where the line enters a box (no later than it truly does), if it may touch it, before the origin or behind.
+/// A lower bound of the parameter at which the line enters a box; `None` if it misses the box. Negative if it does
+/// so behind the origin.
 #[inline(always)]
 fn enter(origin: DVec3, inverse: DVec3, low: Vec3, high: Vec3) -> Option<f64> {
     let to_low = (low.as_dvec3() - origin) * inverse;
     let to_high = (high.as_dvec3() - origin) * inverse;
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     for axis in 0..3 {
-        // A ray in a face's plane gives 0 · ∞: no number, and no limit.
+        // A ray in the plane of a face gives 0 · ∞ = NaN: that axis does not limit the interval.
         let (a, b) = (to_low[axis], to_high[axis]);
         if !(a.is_nan() || b.is_nan()) {
             near = near.max(a.min(b));

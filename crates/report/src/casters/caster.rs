@@ -1,29 +1,29 @@
-//! The trait of all ray casters, and the rays that they can be given.
+//! The common trait of ray casters, and the kinds of rays that they accept.
 
 use raycast_core::camera::{Lattice, Ray};
 use raycast_core::{Accel, PrimitiveHit};
 
-/// Finds the closest triangle of rays.
+/// Finds the closest triangle along each ray.
 pub trait Caster: Send + Sync {
-    /// What plots and tables call it, its precision included.
+    /// The name in charts and tables, with the precision.
     fn name(&self) -> &str;
 
-    /// Which rays it answers.
+    /// The kind of rays that it accepts.
     fn rays(&self) -> Rays;
 
-    /// How many triangles it tries for every ray; 0 where a tree spares it most of them.
+    /// How many triangles it tests for every ray, if it tests all of them; 0 for a caster with a tree.
     fn tries(&self) -> usize {
         0
     }
 
-    /// Answers rays, one hit each, in place of the contents of `hits`.
+    /// Casts rays; replaces the contents of `hits` with one hit per ray.
     fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>);
 
-    /// Answers a camera's rays row by row, making them included, in place of the contents of `hits`.
+    /// Casts a camera's rays in row-major order, and sets them up itself; replaces the contents of `hits`.
     fn cast_lattice(&self, lattice: &Lattice, hits: &mut Vec<PrimitiveHit>);
 
-    /// Visibility alone: the primitive indices of the triangles that a camera's rays hit, row by row, in place of
-    /// the contents of `primitives`.
+    /// Visibility only: replaces the contents of `primitives` with the primitive indices of the triangles that a
+    /// camera's rays hit, in row-major order.
     fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
         let mut hits = Vec::new();
         self.cast_lattice(lattice, &mut hits);
@@ -31,23 +31,24 @@ pub trait Caster: Send + Sync {
         primitives.extend(hits.iter().map(|hit| hit.primitive));
     }
 
-    /// The object and triangle number of a primitive index that a hit names.
+    /// The object and the triangle id of a primitive index.
     fn identify(&self, primitive: u32) -> (u32, u32);
 }
 
-/// The rays that a caster answers: what it can tell apart from other rays.
+/// The kinds of rays that casters accept. The oracle must get the same ray as the caster, so rays are rounded to
+/// what it can represent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rays {
-    /// Rounded to single precision.
+    /// Single precision.
     Single,
-    /// In double precision.
+    /// Double precision.
     Double,
-    /// A camera's, and no others.
+    /// Only rays of a camera.
     Camera,
 }
 
-/// A ray that a caster of single precision can be given as it is: origin (relative to the tree's),
-/// direction and range rounded.
+/// Rounds a ray to one that single precision represents exactly: its origin relative to the tree's, its direction,
+/// and its range.
 pub fn rounded(ray: &Ray, accel: &Accel) -> Ray {
     let origin = (ray.origin - accel.origin()).as_vec3().as_dvec3();
     Ray {

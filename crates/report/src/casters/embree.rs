@@ -1,4 +1,4 @@
-//! Embree's own tree and triangle tests: a ray, eight, or sixteen at a time.
+//! Embree with its own BVH and triangle tests, for packets of 1, 8 or 16 rays.
 
 use super::caster::{Caster, Rays};
 use crate::embree::{EmbreeScene, NONE, Packet};
@@ -7,7 +7,7 @@ use raycast_core::glam::Vec3;
 use raycast_core::{Accel, MISS, PrimitiveHit};
 use std::sync::Arc;
 
-/// Rays through Embree, `N` at a time.
+/// Casts rays with Embree in packets of `N`.
 pub(super) struct Embree<const N: usize> {
     name: String,
     accel: Arc<Accel>,
@@ -15,7 +15,7 @@ pub(super) struct Embree<const N: usize> {
 }
 
 impl<const N: usize> Embree<N> {
-    /// `scene` holds the triangles of `accel` in the order of their primitive indices.
+    /// `scene` must hold the triangles of `accel` in the order of their primitive indices.
     pub(super) fn new(accel: &Arc<Accel>, scene: &Arc<EmbreeScene>, robust: bool) -> Self {
         let robust = if robust { " robust" } else { "" };
         Self {
@@ -26,7 +26,7 @@ impl<const N: usize> Embree<N> {
     }
 }
 
-/// Casts the `N` rays of a packet.
+/// Intersects the `N` rays of a packet.
 pub(super) trait Cast {
     fn cast(&mut self, scene: &EmbreeScene, coherent: bool);
 }
@@ -52,7 +52,7 @@ impl Cast for Packet<16> {
     }
 }
 
-/// A ray's place in a packet.
+/// Sets the ray of one lane.
 #[inline(always)]
 fn set<const N: usize>(packet: &mut Packet<N>, lane: usize, origin: Vec3, direction: Vec3) {
     for axis in 0..3 {
@@ -61,7 +61,7 @@ fn set<const N: usize>(packet: &mut Packet<N>, lane: usize, origin: Vec3, direct
     }
 }
 
-/// What a lane of a packet hits.
+/// The hit of one lane.
 #[inline(always)]
 fn hit<const N: usize>(packet: &Packet<N>, lane: usize) -> PrimitiveHit {
     if packet.geometry[lane] == NONE {
@@ -79,10 +79,10 @@ impl<const N: usize> Embree<N>
 where
     Packet<N>: Cast,
 {
-    /// Casts a camera's rays in packets of neighbours, as square as their number allows, and tells
-    /// Embree that they are. `keep` is given each ray's place in the lattice.
+    /// Casts a camera's rays in packets of neighbours, as square as `N` allows, with Embree's flag for coherent
+    /// rays. Calls `keep` with the packet, the lane, and the ray's index in the lattice.
     ///
-    /// Rays are set up lane by lane in plain loops, which compilers lay side by side.
+    /// Plain loops over lanes set rays up, which the compiler can vectorise.
     #[allow(
         clippy::needless_range_loop,
         reason = "a lane is an index into all the arrays at once"
@@ -99,7 +99,7 @@ where
         let (x, y) = lattice.place(0, 0);
         let first = camera.ray(x, y).origin - self.accel.origin();
         let perspective = camera.projection() == Projection::Perspective;
-        // What all rays share, and what moves: directions, or origins.
+        // Perspective rays share the origin, orthographic ones the direction; the other one varies.
         let (shared, start) = if perspective {
             (first, camera.direction(x, y))
         } else {
@@ -141,7 +141,7 @@ where
                 }
                 packet.reset();
                 packet.cast(&self.scene, true);
-                // Rays beyond the lattice are cast with the others, and left.
+                // Rays outside the lattice only fill the packet: their hits are not kept.
                 let across = width;
                 for row in 0..height.min(rows - top) {
                     for column in 0..width.min(columns - left) {
@@ -193,7 +193,7 @@ where
     fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
         primitives.clear();
         primitives.resize(lattice.len(), MISS);
-        // Embree's number for no triangle is a miss's primitive index.
+        // Embree's invalid id is equal to a miss's primitive index.
         self.for_each(lattice, |packet, lane, at| {
             primitives[at] = packet.triangle[lane]
         });

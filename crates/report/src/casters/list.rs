@@ -5,7 +5,7 @@ use super::triangle::{ClosestHit, TriangleTest};
 use super::vector::Vector;
 use raycast_core::{Accel, PrimitiveHit};
 
-/// Triangles in the order of their numbers: of equal distances the lowest number wins.
+/// Triangles in the order of their ids: of equal distances the lowest id wins.
 pub(super) struct List<T> {
     triangles: Vec<(T, u32)>,
 }

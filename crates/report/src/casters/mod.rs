@@ -1,9 +1,9 @@
-//! Ray casters, RayCast's own and other people's, behind one small trait, so that each is
-//! given the same rays at the same triangles.
+//! Ray casters, RayCast's own and others, behind one small trait, so that all get the same rays and the same
+//! triangles.
 //!
-//! The others are here to be compared with and are in nobody's path: small, plain, one file each.
-//! All of them get the triangles as RayCast stores them, relative to [`Accel::origin`], so that none
-//! is punished for a scene that stands far from the origin in its file.
+//! The others exist only for comparison: small, plain, one file each. All of them get the triangles as RayCast
+//! stores them, relative to [`Accel::origin`], so that a scene far from the origin of its file costs none of them
+//! precision.
 
 mod boxes;
 mod caster;
@@ -34,7 +34,7 @@ use raycast_core::{Accel, Precision, Simd};
 use std::sync::Arc;
 use watertight::Watertight;
 
-/// RayCast's own casters on this machine's widest instruction set: what a user gets.
+/// RayCast's casters with the widest instruction set of this machine, which users get.
 pub fn raycast(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let mut casters: Vec<Box<dyn Caster>> = Vec::new();
     for precision in [Precision::Exact, Precision::Fast] {
@@ -46,12 +46,12 @@ pub fn raycast(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     casters
 }
 
-/// RayCast's tiles as compiled for an instruction set: `accel` must have been built for it.
+/// RayCast's packet traversal; `accel` carries the instruction set.
 pub fn raycast_simd(accel: &Arc<Accel>, precision: Precision) -> Box<dyn Caster> {
     Box::new(raycast::Tile::with_simd_in_name(accel, precision))
 }
 
-/// This machine's instruction sets, from the plainest to the widest.
+/// The instruction sets of this machine, from scalar to the widest.
 pub fn instruction_sets() -> Vec<Simd> {
     [Simd::Plain, Simd::Avx2]
         .into_iter()
@@ -63,7 +63,7 @@ fn caster<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) 
     Box::new(OneAfterAnother::new(name, accel, one))
 }
 
-/// Other people's casters, but for Embree's.
+/// All casters that are not RayCast's, except Embree.
 pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let mut casters = brute_force(accel);
     casters.extend(triangle_tests(accel));
@@ -71,7 +71,7 @@ pub fn baselines(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     casters
 }
 
-/// Every triangle for every ray: what the renderer that RayCast replaces did.
+/// Brute force over all triangles, as in the renderer that RayCast replaces.
 pub fn brute_force(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let name = "plane, then inside";
     vec![
@@ -80,8 +80,8 @@ pub fn brute_force(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     ]
 }
 
-/// Published triangle tests, over boxes that lose no ray: their errors are their own, their speed is
-/// not what a better tree would give them.
+/// Published triangle tests over [`Boxes`], which lose no ray. The errors are those of the tests; a better tree
+/// would make them faster.
 fn triangle_tests(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let name = "Möller–Trumbore";
     vec![
@@ -91,7 +91,7 @@ fn triangle_tests(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     ]
 }
 
-/// Those of other people's casters that have a tree of their own, made for speed.
+/// The casters that are not RayCast's and have a BVH built for speed.
 pub fn trees(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     let mut casters = Vec::new();
     if let Some(bvh) = ObvhsBvh2::new(accel) {
@@ -103,8 +103,7 @@ pub fn trees(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
     casters
 }
 
-/// Embree's casters: single rays, eight and sixteen at a time, each with its default scene and its
-/// robust one.
+/// Embree's casters: packets of 1, 8 and 16 rays, each with a default and with a robust scene.
 ///
 /// # Errors
 /// Embree refuses to build a scene.
@@ -144,7 +143,7 @@ mod tests {
         casters
     }
 
-    /// Two balls, one moved and turned, so that there are objects to tell apart.
+    /// Two spheres, the second one translated and rotated, so that object ids matter.
     fn stage() -> Stage {
         let mut scene = scene_of([scenes::bumpy_sphere(1000), scenes::bumpy_sphere(300)]);
         let moved: &mut Object = &mut scene.objects[1];
@@ -155,7 +154,7 @@ mod tests {
         Stage::new(scene).expect("a valid scene")
     }
 
-    /// Rays at the middles of triangles, where every caster must be right.
+    /// Rays towards centroids of triangles, where every caster must be right.
     fn easy_rays(stage: &Stage) -> Vec<Ray> {
         let mut random = Random::new(7);
         let accel = &stage.accel;
@@ -228,8 +227,7 @@ mod tests {
         }
     }
 
-    /// A picture's rays are made differently for casters in single precision: at silhouettes a few see
-    /// something else.
+    /// Casters in single precision set a camera's rays up differently, so a few rays at silhouettes may differ.
     #[test]
     fn every_caster_sees_the_same_picture() {
         let stage = stage();

@@ -1,6 +1,6 @@
-//! Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", Journal of Graphics Tools
-//! 2(1), 1997: the branch that does not cull. The paper's threshold for rays along the triangle's
-//! plane, 1e-6, is left out: it depends on the scene's units and would lose every small triangle.
+//! Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", Journal of Graphics Tools 2(1), 1997:
+//! the variant without culling. The paper's epsilon for rays parallel to the triangle, 1e-6, is left out: it
+//! depends on the scene's units, and every small triangle would be missed.
 
 use super::one_ray::OwnRay;
 use super::triangle::{Intersection, TriangleTest};

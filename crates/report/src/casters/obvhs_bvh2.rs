@@ -1,4 +1,4 @@
-//! obvhs's own binary tree and triangle test, used as its examples advise.
+//! obvhs's binary BVH and triangle test, used as its examples recommend.
 
 use super::obvhs_triangles::{Triangles, to_obvhs};
 use super::one_ray::{OneRay, OwnRay};
@@ -16,7 +16,7 @@ pub(super) struct ObvhsBvh2 {
 }
 
 impl ObvhsBvh2 {
-    /// With obvhs's medium build. `None` where obvhs cannot build: see [`Triangles::of`].
+    /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::of`].
     pub(super) fn new(accel: &Accel) -> Option<Self> {
         let unordered = Triangles::of(accel)?;
         let bvh = build_bvh2_from_tris(

@@ -1,5 +1,5 @@
-//! obvhs's own eight-wide compressed tree (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on
-//! GPUs Through Compressed Wide BVHs", 2017) and triangle test, used as its examples advise.
+//! obvhs's eight-wide compressed BVH (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs", 2017) and triangle test, used as its examples recommend.
 
 use super::obvhs_triangles::{Triangles, to_obvhs};
 use super::one_ray::{OneRay, OwnRay};
@@ -17,7 +17,7 @@ pub(super) struct ObvhsCwBvh {
 }
 
 impl ObvhsCwBvh {
-    /// With obvhs's medium build. `None` where obvhs cannot build: see [`Triangles::of`].
+    /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::of`].
     pub(super) fn new(accel: &Accel) -> Option<Self> {
         let unordered = Triangles::of(accel)?;
         let bvh = build_cwbvh_from_tris(

@@ -1,4 +1,4 @@
-//! What obvhs's two trees share: its triangle test, its rays, its hits.
+//! What both of obvhs's trees use: its triangle test, its rays, its hits.
 
 use super::one_ray::OwnRay;
 use obvhs::ray::{Ray, RayHit};
@@ -7,20 +7,19 @@ use obvhs::triangle::Triangle;
 use raycast_core::glam::{Vec3, Vec3A};
 use raycast_core::{Accel, PrimitiveHit};
 
-/// Triangles of which more than a quarter have the same corners make obvhs's builder take time
-/// quadratic in their number.
+/// From this number of triangles on, fewer than a quarter may be duplicates: the time of obvhs's builder is
+/// quadratic in their number. Smaller scenes are built whatever their duplicates.
 const FEW: usize = 1000;
 
-/// Triangles in the order of a tree's leaves.
+/// Triangles in leaf order.
 pub(super) struct Triangles {
     pub(super) tests: Vec<RtTriangle>,
     primitives: Vec<u32>,
 }
 
 impl Triangles {
-    /// A scene's triangles as obvhs takes them. `None` where its builder cannot be trusted with
-    /// them: with none at all, with many copies of one, or where the areas of their boxes leave
-    /// single precision's range.
+    /// A scene's triangles in obvhs's form. `None` if its builder cannot handle them: none at all, many duplicates,
+    /// or coordinates so large or small that the areas of boxes overflow or underflow in single precision.
     pub(super) fn of(accel: &Accel) -> Option<Vec<Triangle>> {
         let corners: Vec<[Vec3; 3]> = (0..accel.len() as u32).map(|s| accel.corners(s)).collect();
         let reach = corners.iter().flatten().map(|c| c.abs().max_element());
@@ -47,7 +46,7 @@ impl Triangles {
         })
     }
 
-    /// Makes them ready in the order of a tree's leaves, as obvhs's examples advise.
+    /// Precomputes the triangles in leaf order, as obvhs's examples recommend.
     pub(super) fn in_order(triangles: &[Triangle], order: &[u32]) -> Self {
         let tests = order
             .iter()
@@ -59,7 +58,7 @@ impl Triangles {
         }
     }
 
-    /// A hit with the numbers that a renderer keeps.
+    /// Completes a hit with t, u and v, which a renderer needs.
     pub(super) fn to_primitive_hit(&self, ray: &Ray, hit: &RayHit) -> PrimitiveHit {
         let Some(test) = self.tests.get(hit.primitive_id as usize) else {
             return PrimitiveHit::NONE;
@@ -74,7 +73,7 @@ impl Triangles {
     }
 }
 
-/// A ray as obvhs takes it.
+/// A ray in obvhs's form.
 pub(super) fn to_obvhs(ray: &OwnRay<Vec3>) -> Ray {
     Ray::new(
         ray.origin.into(),

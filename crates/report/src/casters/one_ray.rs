@@ -1,4 +1,4 @@
-//! Casters that answer one ray after another.
+//! Casters that trace one ray at a time.
 
 use super::caster::{Caster, Rays};
 use super::vector::Vector;
@@ -7,7 +7,7 @@ use raycast_core::glam::DVec3;
 use raycast_core::{Accel, PrimitiveHit};
 use std::sync::Arc;
 
-/// A ray in a caster's own precision, relative to the tree's origin.
+/// A ray in the precision of a caster, relative to the tree's origin.
 #[derive(Clone, Copy)]
 pub(super) struct OwnRay<V: Vector> {
     pub(super) origin: V,
@@ -16,9 +16,9 @@ pub(super) struct OwnRay<V: Vector> {
     pub(super) t_max: V::Real,
 }
 
-/// Finds the nearest triangle of one ray.
+/// Finds the nearest triangle of a single ray.
 pub(super) trait OneRay: Send + Sync {
-    /// The precision that it gets rays in.
+    /// The precision of its rays.
     type V: Vector;
 
     /// As [`Caster::tries`].
@@ -30,7 +30,7 @@ pub(super) trait OneRay: Send + Sync {
     fn nearest(&self, ray: &OwnRay<Self::V>) -> PrimitiveHit;
 }
 
-/// [`Caster`] of a [`OneRay`]: rays one after another.
+/// Makes a [`Caster`] of a [`OneRay`] by tracing rays one by one.
 pub(super) struct OneAfterAnother<T> {
     name: String,
     rays: Rays,
@@ -93,8 +93,8 @@ impl<T: OneRay> Caster for OneAfterAnother<T> {
     }
 }
 
-/// A row of a camera's rays, set up in the caster's own precision: from one to the next is an addition,
-/// which is the cheapest that setting up rays can be.
+/// The rays of one row of a camera, set up incrementally in the caster's precision: one step added per ray is the
+/// cheapest set-up, so that it does not dominate the measured time.
 pub(super) struct RowOfRays<V: Vector> {
     projection: Projection,
     origin: V,
@@ -120,7 +120,7 @@ impl<V: Vector> RowOfRays<V> {
         let along = self.step * V::number(f64::from(column));
         let (origin, direction) = match self.projection {
             Projection::Orthographic => (self.origin + along, self.direction),
-            // Lattices of panoramas are not measured.
+            // The report does not measure panoramas.
             Projection::Perspective | Projection::Panoramic(_) => {
                 (self.origin, (self.direction + along).normalized())
             }

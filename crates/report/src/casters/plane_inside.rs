@@ -1,7 +1,7 @@
-//! The plane, then the inside: where the ray hits the triangle's plane, and whether that point is on
-//! the inner side of each edge (Snyder and Barr, "Ray tracing complex models containing surface
-//! tessellations", 1987, and every first ray tracer since). The renderer that RayCast replaces did
-//! this for every triangle and every ray.
+//! The test against the plane, then against the edges: intersect the ray with the triangle's plane, and test
+//! whether the point is on the inner side of each edge (Snyder and Barr, "Ray tracing complex models containing
+//! surface tessellations", 1987, and the first ray tracers). The renderer that RayCast replaces did this for every
+//! triangle and every ray.
 
 use super::one_ray::OwnRay;
 use super::triangle::{Intersection, TriangleTest};

@@ -1,4 +1,4 @@
-//! RayCast's own casters: a tile of a camera's rays at once, and one ray after another.
+//! RayCast's casters: packet traversal for a tile of a camera's rays, and single-ray traversal.
 
 use super::caster::{Caster, Rays};
 use raycast_core::camera::{Lattice, Ray};
@@ -12,7 +12,7 @@ fn word(precision: Precision) -> &'static str {
     }
 }
 
-/// A tile at a time: what a picture is made with.
+/// Packet traversal of tiles, which makes pictures.
 pub(super) struct Tile {
     name: String,
     accel: Arc<Accel>,
@@ -50,7 +50,7 @@ impl Caster for Tile {
         Rays::Camera
     }
 
-    /// Rays that are no camera's go one at a time.
+    /// Rays that are not a camera's are traced one by one.
     fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
         let cast = |ray| self.accel.cast_primitive(ray, Cull::None, self.precision);
@@ -72,7 +72,7 @@ impl Caster for Tile {
     }
 }
 
-/// One ray after another: what picking and files of rays are answered with.
+/// Single-ray traversal, which picking and files of rays use.
 pub(super) struct Single {
     name: String,
     accel: Arc<Accel>,

@@ -1,4 +1,4 @@
-//! One ray against one triangle: what the published tests have in common.
+//! The interface of published ray–triangle tests.
 
 use super::one_ray::OwnRay;
 use super::vector::Vector;
@@ -9,16 +9,16 @@ use raycast_core::{MISS, PrimitiveHit};
 pub(super) trait TriangleTest: Send + Sync {
     /// The precision that it works in.
     type V: Vector;
-    /// What of a ray serves all triangles.
+    /// What is precomputed for a ray and used for all triangles.
     type Ray;
 
-    /// A triangle made ready.
+    /// Precomputes a triangle.
     fn new(corners: [Self::V; 3]) -> Self;
 
-    /// A ray made ready.
+    /// Precomputes a ray.
     fn prepare(ray: &OwnRay<Self::V>) -> Self::Ray;
 
-    /// Where the line along the ray hits the triangle, whatever the ray's range.
+    /// Intersects the line along the ray with the triangle; the ray's range does not matter.
     fn intersect(&self, ray: &Self::Ray) -> Option<Intersection<<Self::V as Vector>::Real>>;
 }
 
@@ -27,9 +27,9 @@ pub(super) trait TriangleTest: Send + Sync {
 pub(super) struct Intersection<R> {
     /// The ray's parameter.
     pub(super) t: R,
-    /// Weight of the second corner.
+    /// Barycentric coordinate of the second corner.
     pub(super) u: R,
-    /// Weight of the third corner.
+    /// Barycentric coordinate of the third corner.
     pub(super) v: R,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct ClosestHit<R> {
 }
 
 impl<R: Float + ToPrimitive> ClosestHit<R> {
-    /// None yet of a ray with this range.
+    /// No intersection yet; hits must be within the ray's range.
     pub(super) fn none<V: Vector<Real = R>>(ray: &OwnRay<V>) -> Self {
         Self {
             t_min: ray.t_min,
@@ -57,7 +57,7 @@ impl<R: Float + ToPrimitive> ClosestHit<R> {
         }
     }
 
-    /// Takes a intersection that is nearer, or the first one within the ray's range.
+    /// Keeps an intersection if it is within the ray's range and nearer than the closest so far.
     #[inline(always)]
     pub(super) fn offer(&mut self, primitive: u32, intersection: Option<Intersection<R>>) {
         if let Some(at) = intersection
@@ -70,7 +70,7 @@ impl<R: Float + ToPrimitive> ClosestHit<R> {
         }
     }
 
-    /// Nothing beyond is of interest.
+    /// The parameter beyond which no box or triangle matters.
     #[inline(always)]
     pub(super) fn limit(&self) -> f64 {
         self.at.t.min(self.t_max).to_f64().unwrap_or(f64::INFINITY)

@@ -1,4 +1,4 @@
-//! Three coordinates in single or double precision: what a caster in both is written in.
+//! Vectors in single or double precision, so that a caster can be written once for both.
 
 use num_traits::Float;
 use raycast_core::glam::{DVec3, Vec3};
@@ -17,16 +17,16 @@ pub(super) trait Vector:
     /// Its coordinates.
     type Real: Float + Send + Sync;
 
-    /// Exactly these corners' coordinates.
+    /// A corner, exactly.
     fn corner(corner: Vec3) -> Self;
 
-    /// The nearest vector to a double's.
+    /// The nearest vector to one in double precision.
     fn rounded(vector: DVec3) -> Self;
 
     /// In double precision.
     fn to_double(self) -> DVec3;
 
-    /// The nearest number to a double; the largest there is in place of infinity.
+    /// The nearest number to one in double precision; the largest finite one instead of infinity.
     fn number(number: f64) -> Self::Real;
 
     fn cross(self, other: Self) -> Self;

@@ -1,6 +1,6 @@
-//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: the triangle is
-//! sheared until the ray runs along z, and edges are decided in two dimensions, again in double
-//! precision where single precision finds a zero.
+//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: shears the triangle so that the
+//! ray is the z axis, and evaluates the edge functions in two dimensions; a zero in single precision is evaluated
+//! again in double precision.
 
 use super::one_ray::OwnRay;
 use super::triangle::{Intersection, TriangleTest};
@@ -10,7 +10,7 @@ pub(super) struct Watertight {
     corners: [Vec3; 3],
 }
 
-/// The ray's axes and shear: section 3.1.
+/// The ray's axis permutation and shear: section 3.1.
 pub(super) struct ShearedRay {
     origin: Vec3,
     axes: [usize; 3],
@@ -29,7 +29,7 @@ impl TriangleTest for Watertight {
         let d = ray.direction;
         let z = d.abs().max_position();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        // Keeps the triangle's winding.
+        // Preserves the triangle's winding.
         if d[z] < 0.0 {
             (x, y) = (y, x);
         }

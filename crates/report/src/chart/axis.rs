@@ -1,11 +1,11 @@
-//! From numbers to places along an axis.
+//! Maps numbers to positions along an axis.
 
-/// How numbers are spread along an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Proportional to the number.
     Linear,
-    /// By their logarithm.
+    /// Proportional to its logarithm.
     Log,
 }
 
@@ -14,32 +14,32 @@ pub enum Scale {
 pub struct Axis {
     /// What it measures, with its unit.
     pub label: String,
-    /// How.
+    /// Linear or logarithmic.
     pub scale: Scale,
     /// The number at its beginning.
     pub low: f64,
     /// The number at its end.
     pub high: f64,
-    /// On a logarithmic axis, a place for zero; none without it.
+    /// A region for zero on a logarithmic axis, which has no position for it otherwise.
     pub zero: Option<Zero>,
-    /// Whether it runs the other way, from the highest number to the lowest.
+    /// Whether it is reversed: from the highest number to the lowest.
     pub falls: bool,
 }
 
-/// A place for zero, before the beginning of a logarithmic axis.
+/// A region for zero, before the start of a logarithmic axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zero {
-    /// What is written there.
+    /// Its tick label.
     pub text: String,
-    /// The share of the axis that it takes.
+    /// The fraction of the axis that it takes.
     pub share: f64,
 }
 
-/// Above this share a place for zero has room for names, beside the dots that they name.
+/// The fraction above which the region for zero has room for the labels of the dots in it.
 const ROOMY: f64 = 0.3;
 
 impl Axis {
-    /// A linear axis from zero to just above the numbers.
+    /// A linear axis from zero to just above the largest number.
     pub fn linear(label: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
         let highest = numbers
             .into_iter()
@@ -55,7 +55,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis around the numbers above zero.
+    /// A logarithmic axis around the positive numbers.
     pub fn log(label: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
         for number in numbers.into_iter().filter(|n| n.is_finite() && *n > 0.0) {
@@ -75,12 +75,12 @@ impl Axis {
         }
     }
 
-    /// The same from this number to that.
+    /// The same from `low` to `high`.
     pub fn from_to(self, low: f64, high: f64) -> Self {
         Self { low, high, ..self }
     }
 
-    /// The same from the highest number to the lowest.
+    /// The same, reversed.
     pub fn falling(self) -> Self {
         Self {
             falls: true,
@@ -88,12 +88,12 @@ impl Axis {
         }
     }
 
-    /// The same with a place for zero before its beginning, and what is written there.
+    /// The same with a region for zero, and its tick label.
     pub fn with_zero(self, text: &str) -> Self {
         self.with_zero_of(text, 0.14)
     }
 
-    /// The same with a place for zero that has room for the names of what is there.
+    /// The same with a region for zero that has room for labels.
     pub fn with_roomy_zero(self, text: &str) -> Self {
         self.with_zero_of(text, 0.4)
     }
@@ -106,7 +106,7 @@ impl Axis {
         }
     }
 
-    /// Where a number is, from 0 to 1 along the axis.
+    /// The position of a number, from 0 to 1 along the axis.
     pub fn place(&self, number: f64) -> f64 {
         let place = self.rising_place(number);
         if self.falls { 1.0 - place } else { place }
@@ -129,17 +129,17 @@ impl Axis {
         }
     }
 
-    /// Where the place for zero ends.
+    /// The end of the region for zero.
     pub fn zero_end(&self) -> Option<f64> {
         self.zero.as_ref().map(|zero| zero.share)
     }
 
-    /// Whether names have room in the place for zero.
+    /// Whether the region for zero has room for labels.
     pub fn has_room_at_zero(&self) -> bool {
         self.zero.as_ref().is_some_and(|zero| zero.share > ROOMY)
     }
 
-    /// Numbers to mark, with what to write there; an empty text is a line alone.
+    /// Ticks with their labels; an empty label draws only a grid line.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         match self.scale {
             Scale::Linear => {
@@ -176,7 +176,7 @@ impl Axis {
     }
 }
 
-/// The round number (1, 2 or 5 times a power of ten) next above.
+/// The next larger round number: 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let digit = [1.0, 2.0, 5.0, 10.0]
@@ -186,7 +186,7 @@ fn round_step(step: f64) -> f64 {
     digit * power
 }
 
-/// A number as people write it.
+/// Formats a number for a tick.
 pub fn number(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {
@@ -208,7 +208,7 @@ pub fn number(x: f64) -> String {
     trimmed(x, digits)
 }
 
-/// With so many decimals at most, and no zeros at the end.
+/// Formats with at most `decimals` decimals and without trailing zeros.
 fn trimmed(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
     if text.contains('.') {

@@ -1,4 +1,4 @@
-//! plotters' drawing area, magnified: all coordinates and sizes here are before it.
+//! plotters' drawing area with a magnification. Coordinates and sizes are given before magnification.
 
 use super::error::ChartError;
 use plotters::coord::Shift;
@@ -45,7 +45,7 @@ impl<B: DrawingBackend> Canvas<'_, B> {
         self.done(self.area.draw(&PathElement::new(points, style)))
     }
 
-    /// Broken into dashes along the whole line.
+    /// A dashed polyline; the dash pattern continues across its points.
     pub(super) fn dashes(
         &self,
         points: &[Point],
@@ -118,7 +118,7 @@ impl<B: DrawingBackend> Canvas<'_, B> {
         )
     }
 
-    /// Text that runs upwards, centred on a point.
+    /// Text rotated to read upwards, centred on a point.
     pub(super) fn text_upwards(
         &self,
         text: &str,
@@ -137,7 +137,7 @@ impl<B: DrawingBackend> Canvas<'_, B> {
         )
     }
 
-    /// How wide and high a text will be.
+    /// The width and height of a text.
     pub(super) fn measure(&self, text: &str, size: f64) -> Result<(f64, f64), ChartError> {
         let style = ("sans-serif", size * self.magnified)
             .into_font()

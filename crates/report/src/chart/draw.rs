@@ -1,4 +1,4 @@
-//! From a chart to SVG and PNG.
+//! Draws a chart as SVG and PNG.
 
 use super::canvas::Canvas;
 use super::error::ChartError;
@@ -10,20 +10,20 @@ use super::series::Series;
 use super::style::{self, SIZE};
 use plotters::prelude::*;
 
-/// How much larger a PNG is than its SVG, along each side: sharp on any screen.
+/// Magnification of a PNG relative to its SVG, so that it is sharp on screens of high density.
 const MAGNIFIED: u32 = 2;
 
-/// The plot's frame, from the picture's edges: left, top, right, bottom.
+/// Margins between the picture's edges and the plot's frame: left, top, right, bottom.
 const MARGINS: (f64, f64, f64, f64) = (84.0, 92.0, 30.0, 70.0);
 
-/// What labels at the ends of lines may take of the frame's width.
+/// The greatest fraction of the frame's width for labels at the ends of lines.
 const LABEL_SHARE: f64 = 0.24;
 
 impl Chart {
     /// As SVG.
     ///
     /// # Errors
-    /// What plotters refuses.
+    /// An error of plotters.
     pub fn svg(&self) -> Result<String, ChartError> {
         register_font()?;
         let mut svg = String::new();
@@ -42,7 +42,7 @@ impl Chart {
     /// As PNG.
     ///
     /// # Errors
-    /// What plotters refuses.
+    /// An error of plotters.
     pub fn png(&self) -> Result<Vec<u8>, ChartError> {
         register_font()?;
         let (width, height) = (SIZE.0 * MAGNIFIED, SIZE.1 * MAGNIFIED);

@@ -1,4 +1,4 @@
-//! What can go wrong while drawing.
+//! The error of drawing.
 
 /// Why a chart cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

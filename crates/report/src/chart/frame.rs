@@ -1,4 +1,4 @@
-//! The rectangle that points lie in: axes, points, and labels about it.
+//! The plot area: axes, data, and the labels around it.
 
 use super::canvas::{Canvas, Point};
 use super::error::ChartError;
@@ -9,16 +9,16 @@ use super::style::{self, SIZE};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// The side of a line on which names stand.
+/// The side of the plot area on which a column of labels stands, and its x.
 #[derive(Clone, Copy)]
 pub(super) enum Side {
-    /// To the right of it.
+    /// To its right.
     Right(f64),
-    /// To the left.
+    /// To its left.
     Left(f64),
 }
 
-/// The rectangle that points lie in.
+/// The plot area.
 pub(super) struct Frame<'a> {
     pub(super) chart: &'a Chart,
     pub(super) low: Point,
@@ -112,7 +112,7 @@ impl Frame<'_> {
         canvas.text_upwards(&y.label, middle, style::AXIS_LABEL, style::TEXT)
     }
 
-    /// An arrow above the frame, the way things are better.
+    /// Draws an arrow above the plot area that points towards better values.
     pub(super) fn better<B: DrawingBackend>(
         &self,
         canvas: &Canvas<'_, B>,
@@ -141,8 +141,7 @@ impl Frame<'_> {
         )
     }
 
-    /// The names of lines or dots, one below the other, each as near to its line's end as the others
-    /// let it.
+    /// Draws labels of lines or dots in a column, each as near to its line's end as possible without overlap.
     pub(super) fn column<B: DrawingBackend>(
         &self,
         canvas: &Canvas<'_, B>,
@@ -176,13 +175,13 @@ impl Frame<'_> {
         Ok(())
     }
 
-    /// Where a series ends.
+    /// The last point of a series.
     pub(super) fn end(&self, series: &Series) -> Point {
         let last = series.points.last().copied();
         last.map_or(self.high, |point| self.at(point))
     }
 
-    /// Dots that stand one above the other, three or more, and all others.
+    /// Groups of three or more dots that lie nearly above one another, and all other dots.
     pub(super) fn piles<'s>(
         &self,
         dots: Vec<&'s Series>,
@@ -267,9 +266,9 @@ impl Frame<'_> {
     }
 }
 
-/// Ascending numbers moved as little as leaves them `apart` and, if there is room, within `limits`.
+/// Moves ascending numbers as little as possible so that they are `apart`, and within the limits if there is room.
 fn spread_out(numbers: &[f64], apart: f64, (low, high): (f64, f64)) -> Vec<f64> {
-    // Groups of neighbours that touch, each around the mean of what it moved: (sum, count).
+    // Groups of numbers that touch, each centred on the mean of its original numbers: (sum, count).
     let mut groups: Vec<(f64, usize)> = Vec::new();
     let extent = |(sum, count): (f64, usize)| {
         let half = apart * count as f64 / 2.0;
@@ -292,7 +291,7 @@ fn spread_out(numbers: &[f64], apart: f64, (low, high): (f64, f64)) -> Vec<f64> 
     groups.into_iter().flat_map(places).collect()
 }
 
-/// Points a few pixels apart along a line.
+/// Samples a polyline every few pixels.
 fn along(points: &[Point]) -> Vec<Point> {
     let mut all = Vec::new();
     for pair in points.windows(2) {

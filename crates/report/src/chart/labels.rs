@@ -1,8 +1,8 @@
-//! Where labels go: beside what they name, and over nothing else.
+//! Label placement: near what a label names, and not over anything else.
 //!
-//! Places about a point are tried from near to far; the one that is in the way of least is taken,
-//! label after label (the greedy way of Christensen, Marks and Shieber, "An Empirical Study of
-//! Algorithms for Point-Feature Label Placement", 1995).
+//! A greedy algorithm: for each label in turn, candidate positions around the point are scored by distance and
+//! overlap, and the cheapest is taken (Christensen, Marks and Shieber, "An Empirical Study of Algorithms for
+//! Point-Feature Label Placement", 1995).
 
 use super::canvas::Point;
 
@@ -39,7 +39,7 @@ impl Area {
         (self.low.0..=self.high.0).contains(&x) && (self.low.1..=self.high.1).contains(&y)
     }
 
-    /// Its point nearest to another.
+    /// The point of the area nearest to another point.
     pub(super) fn nearest_to(&self, (x, y): Point) -> Point {
         (
             x.clamp(self.low.0, self.high.0),
@@ -48,26 +48,26 @@ impl Area {
     }
 }
 
-/// What is there already.
+/// The areas that are occupied.
 #[derive(Debug)]
 pub(super) struct Taken {
-    /// What labels must stay within.
+    /// The area that labels must not leave.
     pub(super) bounds: Area,
-    /// Dots and labels.
+    /// Dots and labels placed so far.
     pub(super) areas: Vec<Area>,
-    /// Points along lines, a few pixels apart.
+    /// Samples of lines, a few pixels apart.
     pub(super) line_points: Vec<Point>,
 }
 
-/// From a point to the nearest side of its label.
+/// Candidate gaps between a point and the nearest side of its label, in pixels.
 const GAPS: [f64; 5] = [7.0, 16.0, 34.0, 60.0, 90.0];
 
-/// Rows of labels above and below a point that are tried.
+/// Candidate rows above and below a point.
 const ROWS: i32 = 12;
 
 impl Taken {
-    /// The best place for a label of this size at one of the points (the first being the best to
-    /// name), and the point; the place is taken from then on.
+    /// Finds the cheapest position for a label of this size at one of the points (the earlier, the better to name)
+    /// and marks it as occupied. Returns it and the point.
     pub(super) fn place(&mut self, (width, height): (f64, f64), points: &[Point]) -> (Area, Point) {
         let mut best = (f64::INFINITY, Area::around((0.0, 0.0), 0.0), (0.0, 0.0));
         for (rank, &point) in points.iter().enumerate() {
@@ -105,8 +105,8 @@ impl Taken {
     }
 }
 
-/// Middles of places for a label about a point, each with how far-fetched it is: to the right, to the
-/// left, above and below, and in rows ever further up and down.
+/// Candidate centres of a label around a point, each with a cost that grows with distance: to the right, to the
+/// left, above, below, and in rows further up and down.
 fn candidates(point: Point, (width, height): (f64, f64)) -> Vec<(Point, f64)> {
     let mut all = Vec::new();
     for (ring, gap) in GAPS.into_iter().enumerate() {

@@ -1,7 +1,7 @@
-//! Plots that a person understands without help: a sentence for a title, units on the axes, labels
-//! at what they name, an arrow towards what is better.
+//! Charts that can be read without the report's text: the title is a sentence, axes have units, labels stand at the
+//! data instead of in a legend, and an arrow points towards better values.
 //!
-//! plotters draws; what is here decides what goes where, so that labels do not lie over one another.
+//! plotters draws; the code here computes the layout, so that labels do not overlap.
 
 mod axis;
 mod canvas;

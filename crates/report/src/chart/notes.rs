@@ -1,4 +1,4 @@
-//! Words and lines over a picture.
+//! Text and lines over a picture.
 
 use super::canvas::Canvas;
 use super::error::ChartError;
@@ -8,44 +8,44 @@ use image::RgbImage;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// Something to be drawn over a picture; places in pixels from its top left.
+/// An annotation; positions are in pixels from the picture's top left corner.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
-    /// Words that begin at a place, level with it.
+    /// Text that starts at a point and is vertically centred on it.
     Words {
-        /// What they say.
+        /// The text.
         text: String,
-        /// Where they begin.
+        /// The middle of its left side.
         at: (f64, f64),
-        /// How high they are, in pixels.
+        /// Font size in pixels.
         size: f64,
         /// sRGB.
         color: [u8; 3],
     },
     /// A filled rectangle.
     Patch {
-        /// Its top left.
+        /// The top left corner.
         low: (f64, f64),
-        /// Its bottom right.
+        /// The bottom right corner.
         high: (f64, f64),
         /// sRGB.
         color: [u8; 3],
     },
-    /// Lines from point to point.
+    /// A polyline.
     Line {
         /// The points.
         points: Vec<(f64, f64)>,
-        /// In pixels.
+        /// Width in pixels.
         width: f64,
         /// sRGB.
         color: [u8; 3],
     },
 }
 
-/// A PNG of a picture with notes over it, in their order.
+/// Encodes a picture with annotations, drawn in order, as PNG.
 ///
 /// # Errors
-/// What plotters refuses.
+/// An error of plotters.
 pub fn annotated(picture: &RgbImage, notes: &[Note]) -> Result<Vec<u8>, ChartError> {
     register_font()?;
     let size = picture.dimensions();
@@ -79,7 +79,7 @@ pub fn annotated(picture: &RgbImage, notes: &[Note]) -> Result<Vec<u8>, ChartErr
     encode_png(&pixels, size)
 }
 
-/// sRGB of words that are to be read.
+/// sRGB of important text.
 pub const TEXT: [u8; 3] = [style::TEXT.0, style::TEXT.1, style::TEXT.2];
-/// sRGB of words that may be passed over.
+/// sRGB of secondary text.
 pub const QUIET: [u8; 3] = [style::QUIET.0, style::QUIET.1, style::QUIET.2];

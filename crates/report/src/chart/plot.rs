@@ -1,9 +1,9 @@
-//! A plot, before it is drawn.
+//! The description of a chart.
 
 use super::axis::Axis;
 use super::series::Series;
 
-/// A plot.
+/// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// What it shows, as a sentence.
@@ -16,11 +16,11 @@ pub struct Chart {
     pub y: Axis,
     /// What is drawn, from back to front.
     pub series: Vec<Series>,
-    /// Where things are better.
+    /// The direction of better values.
     pub better: Better,
 }
 
-/// The corner or side of a plot where one would like to be.
+/// The direction in which a chart's values are better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
     /// Up.

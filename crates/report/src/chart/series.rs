@@ -1,13 +1,13 @@
-//! Points that belong together, and how they are drawn.
+//! A data series and its style.
 
 use super::style::Ink;
 
-/// Points that belong together.
+/// A data series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What stands beside them; empty for nothing.
+    /// The label beside it; empty for none.
     pub label: String,
-    /// Where they are, in the axes' units.
+    /// The points, in the units of the axes.
     pub points: Vec<(f64, f64)>,
     /// Their colour.
     pub ink: Ink,
@@ -15,16 +15,16 @@ pub struct Series {
     pub form: Form,
 }
 
-/// How points are drawn.
+/// The style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Each for itself.
+    /// Dots only.
     Dots,
-    /// Dots with lines from one to the next.
+    /// Dots joined by lines.
     Line,
-    /// The same with broken lines and open dots.
+    /// Open dots joined by dashed lines.
     Dashes,
-    /// A wide pale line that leaves each point level: a front.
+    /// A Pareto front: a wide pale line that runs horizontally from each point to the next one's x.
     Front,
 }
 
@@ -49,7 +49,7 @@ impl Series {
         }
     }
 
-    /// Whether its points are joined.
+    /// Whether its points are joined by lines.
     pub(super) fn is_line(&self) -> bool {
         matches!(self.form, Form::Line | Form::Dashes)
     }

@@ -1,4 +1,4 @@
-//! Pictures side by side with words under them.
+//! A contact sheet of captioned pictures.
 
 use super::canvas::Canvas;
 use super::error::ChartError;
@@ -8,14 +8,14 @@ use image::RgbImage;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// Pixels between pictures, and below them for their words.
+/// Pixels between pictures, and below each for its caption.
 const GAP: u32 = 14;
 const WORDS: u32 = 34;
 
-/// One PNG of pictures of one size, so many in a row, with words under each.
+/// Arranges pictures of the same size in so many columns, with captions below, as one PNG.
 ///
 /// # Errors
-/// What plotters refuses.
+/// An error of plotters.
 pub fn captioned(pictures: &[(String, RgbImage)], columns: usize) -> Result<Vec<u8>, ChartError> {
     register_font()?;
     let (width, height) = pictures

@@ -2,13 +2,13 @@
 
 use plotters::style::RGBColor;
 
-/// Colours that most eyes tell apart: Okabe and Ito, "Color Universal Design", 2008, without their
-/// yellow, which is hard to see on white.
+/// A palette for readers with colour vision deficiencies: Okabe and Ito, "Color Universal Design", 2008, without
+/// its yellow, which has little contrast on white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// RayCast's tiles.
+    /// RayCast's packet traversal of a tile.
     Blue,
-    /// RayCast's single rays.
+    /// RayCast's single-ray traversal.
     Sky,
     /// obvhs.
     Vermilion,
@@ -18,14 +18,14 @@ pub enum Ink {
     Green,
     /// Woop, Benthin and Wald.
     Orange,
-    /// The plane, then the inside.
+    /// The test against the plane, then against the edges.
     Grey,
-    /// What belongs to no one.
+    /// Series that do not belong to a caster.
     Black,
 }
 
 impl Ink {
-    /// In order, for series that are no one's.
+    /// The order of colours for series that do not belong to a caster.
     pub const ALL: [Self; 7] = [
         Self::Blue,
         Self::Vermilion,
@@ -36,7 +36,7 @@ impl Ink {
         Self::Grey,
     ];
 
-    /// The colour of a caster, by its name.
+    /// The colour of a caster, found by its name.
     pub fn of_caster(name: &str) -> Self {
         const BEGINNINGS: [(&str, Ink); 7] = [
             ("RayCast tiles", Ink::Blue),
@@ -74,7 +74,7 @@ pub(super) const GRID: RGBColor = RGBColor(222, 226, 232);
 pub(super) const FAINT_GRID: RGBColor = RGBColor(240, 242, 245);
 pub(super) const ZERO: RGBColor = RGBColor(234, 244, 236);
 
-/// A plot's size in pixels, before it is magnified.
+/// The size of a chart in pixels, before magnification.
 pub(super) const SIZE: (u32, u32) = (980, 620);
 pub(super) const TITLE: f64 = 23.0;
 pub(super) const SUBTITLE: f64 = 15.5;

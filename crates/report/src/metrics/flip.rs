@@ -5,13 +5,13 @@ use image::RgbImage;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Pixels a degree of vision: 0.7 m before a screen 0.7 m wide with 3840 pixels, as the paper sets.
+/// Pixels per degree of visual angle, as the paper sets: 3840 pixels on 0.7 m of screen seen from 0.7 m.
 const PIXELS_PER_DEGREE: f64 = 67.020_644;
 
-/// White, of a D65 light: what linear RGB (1, 1, 1) is in XYZ.
+/// The D65 white point in XYZ, the image of linear RGB (1, 1, 1).
 const WHITE: [f64; 3] = [0.950_428_545, 1.0, 1.088_900_371];
 
-/// Linear RGB to XYZ: IEC 61966-2-1 with its primaries as exact fractions.
+/// Linear RGB to XYZ: IEC 61966-2-1, the primaries as exact fractions.
 const XYZ_FROM_RGB: [[f64; 3]; 3] = [
     [
         10_135_552.0 / 24_577_794.0,
@@ -30,7 +30,7 @@ const XYZ_FROM_RGB: [[f64; 3]; 3] = [
     ],
 ];
 
-/// A channel of a picture.
+/// One channel of a picture.
 struct Plane {
     width: usize,
     height: usize,
@@ -38,7 +38,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// Along one side by `kernel`, odd in length; beyond the edge the edge goes on.
+    /// Convolves along one axis with `kernel`, which has an odd length; edge pixels are repeated outside.
     fn filtered(&self, kernel: &[f64], (right, down): (usize, usize)) -> Self {
         let reach = (kernel.len() / 2) as i64;
         let value = |index: usize| {
@@ -62,23 +62,23 @@ impl Plane {
     }
 }
 
-/// The mean FLIP error of a picture against a reference of the same size: 0 where a person who flips
-/// between them sees no difference, at most 1.
+/// The mean FLIP error of a picture against a reference of the same size, from 0 to 1. It is 0 where a person who
+/// flips between the two sees no difference.
 pub fn flip(picture: &RgbImage, reference: &RgbImage) -> f64 {
     let (a, b) = (Seen::new(picture), Seen::new(reference));
     let (most, threshold) = (greatest_difference(), 0.4);
     let mean = (0..a.colors.len())
         .into_par_iter()
         .map(|at| {
-            // Section 4.1.3, equation 6: colours' differences to 0 to 1, large ones pressed together.
+            // Section 4.1.3, equation 6: maps colour differences to 0 to 1, large ones compressed.
             let difference = hyab(a.colors[at], b.colors[at]).powf(0.7);
             let color = if difference < threshold * most {
                 0.95 / (threshold * most) * difference
             } else {
                 0.95 + (difference - threshold * most) / (most - threshold * most) * 0.05
             };
-            // Section 4.2, equations 7 and 8: edges and points that one has and the other has not
-            // make the difference worse.
+            // Section 4.2, equations 7 and 8: an edge or point in only one of the pictures amplifies the colour
+            // difference.
             let edge = (a.edges[at] - b.edges[at]).abs();
             let point = (a.points[at] - b.points[at]).abs();
             let feature = (edge.max(point) / 2f64.sqrt()).sqrt();
@@ -88,9 +88,9 @@ pub fn flip(picture: &RgbImage, reference: &RgbImage) -> f64 {
     mean / a.colors.len().max(1) as f64
 }
 
-/// What is seen of a picture.
+/// A picture as the metric compares it.
 struct Seen {
-    /// CIELAB as blurred by the eye, with Hunt's adjustment.
+    /// CIELAB after filtering by contrast sensitivity, with the Hunt adjustment.
     colors: Vec<[f64; 3]>,
     edges: Vec<f64>,
     points: Vec<f64>,
@@ -125,10 +125,10 @@ impl Seen {
 }
 
 impl Plane {
-    /// Section 4.1.1: blurred as by an eye whose contrast sensitivity is a sum of Gaussians, each
-    /// given by its a and b; equation 2 with its table.
+    /// Section 4.1.1: filters with the contrast sensitivity function, a sum of Gaussians given by a and b each
+    /// (equation 2 and its table).
     fn blurred(&self, gaussians: &[(f64, f64)]) -> Self {
-        // The widest of all channels' Gaussians sets the kernels' length.
+        // All kernels have the length for the widest Gaussian of all channels.
         let reach = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as i64;
         let mut sum = vec![0.0; self.values.len()];
         let mut whole = 0.0;
@@ -150,7 +150,7 @@ impl Plane {
     }
 }
 
-/// Edges and points of a picture's brightness: section 4.2.
+/// Section 4.2: edge and point strength of the luminance.
 struct Features {
     edges: Vec<f64>,
     points: Vec<f64>,
@@ -164,7 +164,7 @@ impl Features {
             let gaussian = |x: f64| (-x * x / (2.0 * deviation * deviation)).exp();
             let raw = (-reach..=reach).map(|x| value(x as f64) * gaussian(x as f64));
             let raw: Vec<f64> = raw.collect();
-            // What is positive adds up to 1, and what is negative to −1.
+            // Positive weights sum to 1, negative ones to −1.
             let (up, down) = raw.iter().fold((0.0, 0.0), |(up, down), &x| {
                 (up + f64::max(x, 0.0), down - f64::min(x, 0.0))
             });
@@ -218,7 +218,7 @@ fn xyz_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     times(&XYZ_FROM_RGB, rgb)
 }
 
-/// The inverse, by Cramer's rule.
+/// The inverse matrix.
 fn rgb_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = XYZ_FROM_RGB.map(raycast_core::glam::DVec3::from_array);
     let inverse = raycast_core::glam::DMat3::from_cols(a, b, c)
@@ -227,7 +227,7 @@ fn rgb_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     (inverse * raycast_core::glam::DVec3::from_array(xyz)).to_array()
 }
 
-/// XYZ to YCxCz: linear, where CIELAB is not.
+/// XYZ to YCxCz, the linearised form of CIELAB.
 fn opponent_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = std::array::from_fn(|i| xyz[i] / WHITE[i]);
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
@@ -239,8 +239,8 @@ fn xyz_from_opponent([y, cx, cz]: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| relative[i] * WHITE[i])
 }
 
-/// Equation 3 and section 4.1.2: blurred YCxCz, kept to colours that a screen has, to CIELAB, with
-/// Hunt's adjustment: dark colours look less colourful.
+/// Equation 3 and section 4.1.2: filtered YCxCz, clamped to the RGB gamut, to CIELAB with the Hunt adjustment:
+/// chroma is scaled by lightness, because dark colours look less colourful.
 fn seen_color(opponent: [f64; 3]) -> [f64; 3] {
     let rgb = rgb_from_xyz(xyz_from_opponent(opponent)).map(|value| value.clamp(0.0, 1.0));
     adjusted_lab(rgb)
@@ -265,12 +265,12 @@ fn adjusted_lab(rgb: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// Equation 4: HyAB, which is true to large differences.
+/// Equation 4: the HyAB distance, which is better than Euclidean distance for large differences.
 fn hyab(a: [f64; 3], b: [f64; 3]) -> f64 {
     (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
 }
 
-/// Equation 5: the difference of green and blue, the greatest of a screen's colours.
+/// Equation 5: the difference of green and blue, the greatest one within the gamut.
 fn greatest_difference() -> f64 {
     hyab(adjusted_lab([0.0, 1.0, 0.0]), adjusted_lab([0.0, 0.0, 1.0])).powf(0.7)
 }
@@ -281,8 +281,7 @@ mod tests {
     use crate::metrics::tests::hills;
     use image::Rgb;
 
-    /// What the authors' own program (version 1.2, in C++ and single precision) gives for the same
-    /// pictures.
+    /// Ground truth: the output of the authors' program (version 1.2, C++, single precision) for the same pictures.
     #[test]
     fn agrees_with_the_authors_program() {
         let close = |found: f64, published: f64| {

@@ -1,4 +1,4 @@
-//! How far a picture is from another.
+//! Measures of the difference between two pictures.
 
 mod flip;
 
@@ -7,23 +7,23 @@ pub use flip::flip;
 use crate::table::ReportError;
 use image::RgbImage;
 
-/// How far a picture is from a reference, by several measures.
+/// The difference of a picture from a reference, by several measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Difference {
-    /// The root of the mean squared difference of 8-bit sRGB values, 0 to 255.
+    /// Root mean square error of 8-bit sRGB values, 0 to 255.
     pub rmse: f64,
-    /// The same as a ratio to the greatest value, in decibels; infinity for equal pictures.
+    /// Peak signal-to-noise ratio in decibels: 20 log₁₀(255 / rmse). Infinite for equal pictures.
     pub psnr: f64,
-    /// Structural similarity, 1 for equal pictures: Wang, Bovik, Sheikh and Simoncelli, "Image Quality
-    /// Assessment: From Error Visibility to Structural Similarity", 2004, by the crate
-    /// `image-compare`, over windows of 8 × 8 pixels.
+    /// Structural similarity, 1 for equal pictures: Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment:
+    /// From Error Visibility to Structural Similarity", 2004. Computed by the crate `image-compare` over windows of
+    /// 8 × 8 pixels.
     pub ssim: f64,
-    /// The mean of [`flip`], 0 for equal pictures.
+    /// The mean [`flip`] error, 0 for equal pictures.
     pub flip: f64,
 }
 
 impl Difference {
-    /// Between two pictures of one size.
+    /// Compares two pictures of the same size.
     ///
     /// # Errors
     /// Pictures of different sizes.
@@ -55,7 +55,7 @@ pub(crate) mod tests {
     use super::*;
     use image::Rgb;
 
-    /// Hills of colour, and the same with some noise: made by whole numbers alone.
+    /// A smooth test picture with an amount of noise. Integer arithmetic makes it the same on every machine.
     pub(crate) fn hills(width: u32, height: u32, noise: u32) -> RgbImage {
         RgbImage::from_fn(width, height, |x, y| {
             let hash = (x * 7919 + y * 104_729) % 251;
@@ -80,7 +80,7 @@ pub(crate) mod tests {
         assert!((difference.ssim - 1.0).abs() < 1e-9);
     }
 
-    /// One step of 255 in every value is 48.1308 dB: the textbooks' number for 8 bits.
+    /// An error of 1 in every value gives 20 log₁₀ 255 = 48.1308 dB.
     #[test]
     fn one_step_everywhere_is_48_decibels() {
         let (a, b) = ([100, 100, 100], [101, 99, 101]);

@@ -1,4 +1,4 @@
-//! Plot B: where each caster breaks.
+//! Plot B: under which conditions each caster breaks.
 
 use super::Section;
 use crate::budget::ReportBudget;
@@ -17,21 +17,21 @@ use raycast_core::scene::{Mesh, Scene};
 use raycast_oracle::random::Random;
 use std::sync::Arc;
 
-/// A caster's wrong triangles in a million rays, along an axis.
+/// Wrong triangles of a caster in a million rays, along an axis.
 #[derive(Clone, Debug)]
 pub struct BreakingCurve {
     /// The caster's name.
     pub caster: String,
-    /// Places along the axis, with rays and wrong triangles there.
+    /// Positions on the axis, each with the number of rays and of wrong triangles.
     pub points: Vec<(f64, u64, u64)>,
 }
 
-/// What is varied.
+/// The quantity that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BreakingSweep {
-    /// The size of triangles in the picture.
+    /// The size of triangles in the picture, in pixels.
     Size,
-    /// How far from the origin the same triangles are.
+    /// The distance of the scene from the origin.
     Distance,
     /// The angle between the surface and the rays.
     Angle,
@@ -88,11 +88,12 @@ impl BreakingSweep {
     }
 }
 
-/// Cells along the side of a patch.
+/// Cells along each side of a patch.
 const CELLS: u32 = 64;
 
-/// A patch of hills whose triangles are `pixels` long in a picture of 1000 rows and 45°, and a camera
-/// that has the middle of the patch in its frame. Eye and patch are at no special place.
+/// A bumpy patch whose triangles are `pixels` long in a picture of 1000 rows with a field of view of 45°, and a
+/// camera that sees the middle of the patch. Eye and patch have arbitrary coordinates, so that no arithmetic is
+/// exact by chance.
 fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let eye = DVec3::new(2.3, 1.1, 3.7);
     let sight = DVec3::new(-0.61, -0.23, -0.76).normalize() * 5.0;
@@ -110,10 +111,10 @@ fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     Ok((scene_of([patch]), camera(eye, target, side, frame)?))
 }
 
-/// The same hills, whole numbers all of them, this far from the origin; one triangle stays there, so
-/// that the mesh is not brought to it.
+/// A patch with integer coordinates, moved by `distance`. One triangle remains at the origin: otherwise the mesh
+/// would be stored relative to an offset near it, and the distance would have no effect.
 fn at_distance(distance: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
-    // Multiples of 8, which single precision has up to 1.3e8.
+    // Multiples of 8, which single precision represents exactly up to 1.3e8.
     let whole = |x: f64| (x / 8.0).round() * 8.0;
     let offset = DVec3::new(0.62, 0.48, 0.62) * distance;
     let offset = DVec3::new(whole(offset.x), whole(offset.y), whole(offset.z));
@@ -129,7 +130,7 @@ fn at_distance(distance: f64, side: u32) -> Result<(Scene, Camera), ReportError>
     Ok((scene_of([anchor]), camera(eye, middle, side, frame)?))
 }
 
-/// The mesh with one more triangle at the origin, out of the way.
+/// The mesh with one more triangle near the origin, outside the view.
 fn with_anchor(hills: &Mesh) -> Mesh {
     let mut positions: Vec<DVec3> = hills
         .positions()
@@ -144,7 +145,7 @@ fn with_anchor(hills: &Mesh) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// A flat patch at no special place, its corners moved about within it, seen at this angle in
+/// A flat patch at an arbitrary place, its vertices displaced within its plane, seen at an angle to the plane, in
 /// degrees.
 fn at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let mut random = Random::new(13);
@@ -159,12 +160,12 @@ fn at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     });
     let (sin, cos) = math::sin_cos(angle.to_radians());
     let eye = middle + (normal * sin - along * cos) * 80.0;
-    // As high as the patch is seen.
+    // The frame's height is half of the patch's foreshortened height.
     let frame = 0.5 * f64::from(CELLS) * sin;
     Ok((scene_of([patch]), camera(eye, middle, side, frame)?))
 }
 
-/// A square picture, its frame so high at the target.
+/// A square picture whose frame has the height `frame` at the target.
 fn camera(eye: DVec3, target: DVec3, side: u32, frame: f64) -> Result<Camera, ReportError> {
     let plane = ImagePlane::new(side, side, frame / f64::from(side))?;
     let placement = Placement {
@@ -175,7 +176,7 @@ fn camera(eye: DVec3, target: DVec3, side: u32, frame: f64) -> Result<Camera, Re
     Ok(Camera::new(placement, Projection::Perspective, plane))
 }
 
-/// Asks every caster along one axis.
+/// Checks the hits of every caster at each position of one axis.
 ///
 /// # Errors
 /// A scene that cannot be built.
@@ -215,7 +216,7 @@ pub fn measure(
         }
         progress.step();
     }
-    // From left to right.
+    // From left to right in the chart.
     let axis = sweep.axis(&sweep.places());
     for curve in &mut curves {
         let place = |point: &(f64, u64, u64)| axis.place(point.0);
@@ -229,7 +230,7 @@ fn rate(&(_, rays, wrong): &(f64, u64, u64)) -> f64 {
     wrong as f64 / rays.max(1) as f64 * 1e6
 }
 
-/// Adds the plot of one axis, its numbers, and what is to be read from it.
+/// Adds the chart of one axis, its numbers, and the conclusion.
 pub fn show(section: &mut Section, sweep: BreakingSweep, curves: &[BreakingCurve]) {
     let is_broken = |curve: &&BreakingCurve| curve.points.iter().any(|point| point.2 > 0);
     let (broken, whole): (Vec<_>, Vec<_>) = curves.iter().partition(is_broken);
@@ -263,7 +264,7 @@ pub fn show(section: &mut Section, sweep: BreakingSweep, curves: &[BreakingCurve
     section.numbers(sweep.name(), table);
 }
 
-/// The plot of one axis: a line for each caster that is wrong somewhere, and one for all others.
+/// The chart of one axis: a line for each caster with errors, and one line for all others.
 fn chart(
     sweep: BreakingSweep,
     curves: &[BreakingCurve],
@@ -272,7 +273,7 @@ fn chart(
 ) -> Chart {
     let places = sweep.places();
     let mut series: Vec<Series> = alike(broken).iter().map(|alike| line(alike)).collect();
-    // Casters that are never wrong share one line, and one name.
+    // All casters without errors share one line and one label.
     if let Some(first) = whole.first() {
         series.push(Series::line(
             if whole.len() == 1 {
@@ -308,7 +309,7 @@ fn chart(
         x: sweep.axis(&places),
         y: Axis::log(
             "wrong triangles in a million rays",
-            // Three decades at least, whatever was found.
+            // The axis covers at least three decades, whatever the rates.
             rates.chain([100.0, 100_000.0]),
         )
         .with_zero("none"),
@@ -317,7 +318,7 @@ fn chart(
     }
 }
 
-/// The line of casters whose curves are the same.
+/// One line for casters with identical curves.
 fn line(alike: &[&BreakingCurve]) -> Series {
     let first = alike[0];
     Series {
@@ -339,7 +340,7 @@ fn line(alike: &[&BreakingCurve]) -> Series {
     }
 }
 
-/// Curves that are the same, of casters of the same family, together.
+/// Groups curves that are identical and whose casters have the same colour.
 fn alike<'a>(curves: &[&'a BreakingCurve]) -> Vec<Vec<&'a BreakingCurve>> {
     let mut groups: Vec<Vec<&BreakingCurve>> = Vec::new();
     for &curve in curves {

@@ -1,28 +1,28 @@
-//! The tile of a picture that has most to see, a packet of it, and a cell of that.
+//! Chooses the tile of a picture for the figure, a packet of the tile, and a cell of the packet.
 
 use raycast_core::camera::{Camera, Lattice, Rect};
 use raycast_core::packet::{LargeTrace, PacketTrace};
 use raycast_core::{Accel, Cull, MISS, Precision};
 use std::collections::HashSet;
 
-/// Columns and rows of the picture whose tile is shown: few, so that a tile is large in it.
+/// Columns and rows of the picture whose tile is shown. It is small, so that a tile is large in it.
 pub(super) const SIZE: (u32, u32) = (512, 320);
 
-/// Rays along the side of a cell: what triangles are tested against before single rows of rays.
+/// Rays along each side of a cell, the unit in which triangles are tested before single rows of rays.
 const CELL_SIDE: u32 = 8;
 
-/// A tile of a picture, a packet of it, a cell of that.
+/// A tile of a picture, a packet of the tile, and a cell of the packet.
 pub(super) struct Chosen {
     pub(super) large: LargeTrace,
     pub(super) packet: PacketTrace,
     pub(super) cell: Lattice,
-    /// Distinct triangles that the tile's rays hit, and the cell's.
+    /// The number of distinct triangles that rays of the tile hit, and of the cell.
     pub(super) seen: usize,
     pub(super) cell_seen: usize,
 }
 
-/// The tile with most to see: many triangles, not all of it covered, near the middle, in the right half,
-/// which the figure is seen from.
+/// The tile with most to show: many visible triangles, a silhouette, near the middle, and in the right half, from
+/// which the figure is seen. `None` if no ray hits a triangle.
 pub(super) fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
     let (columns, rows) = SIZE;
     let whole = Rect {

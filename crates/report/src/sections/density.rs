@@ -1,4 +1,4 @@
-//! Plot D: what the density of rays costs, and what it brings.
+//! Plot D: the cost and the benefit of denser rays and of more samples.
 
 use super::Section;
 use crate::budget::ReportBudget;
@@ -19,28 +19,28 @@ use raycast_core::shade::{Background, Shading};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Pixels from one ray to the next, from few rays to many.
+/// Distances of neighbouring rays in pixels, from sparse to dense.
 const STEPS: [f64; 7] = [8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 
-/// Rays a pixel.
+/// Samples per pixel.
 const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// A picture made in one way.
+/// A picture made with one step and one number of samples.
 #[derive(Clone, Debug)]
 pub struct DensePicture {
-    /// Pixels from one ray to the next.
+    /// The distance of neighbouring rays in pixels.
     pub step: f64,
-    /// Rays a sample.
+    /// Samples per pixel of the picture as it was rendered.
     pub samples: u32,
-    /// Milliseconds to make it.
+    /// Milliseconds to render it.
     pub ms: Spread,
-    /// From the reference.
+    /// The difference from the reference.
     pub difference: Difference,
-    /// At the reference's size.
+    /// Resampled to the reference's size.
     picture: RgbImage,
 }
 
-/// Pictures by step, pictures by samples, and what they are compared with.
+/// Pictures by step, pictures by samples, and the reference.
 #[derive(Clone, Debug)]
 pub struct Pictures {
     by_step: Vec<DensePicture>,
@@ -50,10 +50,10 @@ pub struct Pictures {
     name: String,
 }
 
-/// Makes a scene's picture with few rays and with many, and compares each with one of very many.
+/// Renders a scene with sparse and with dense rays, and compares each picture with one of very many samples.
 ///
 /// # Errors
-/// A scene that cannot be cast at, a camera that cannot be had.
+/// A scene that cannot be built, an invalid camera.
 pub fn measure(
     name: &str,
     scene: &Arc<Scene>,
@@ -126,7 +126,7 @@ pub(super) fn with_samples(view: &View, samples: u32) -> View {
     }
 }
 
-/// The same frame with rays so many pixels apart.
+/// The same frame with rays `step` pixels apart.
 pub(super) fn with_step(view: &View, step: f64) -> Result<View, ReportError> {
     let plane = view.camera.plane();
     let count = |pixels: u32| (f64::from(pixels) / step).round().max(1.0) as u32;
@@ -138,7 +138,7 @@ pub(super) fn with_step(view: &View, step: f64) -> Result<View, ReportError> {
     })
 }
 
-/// A view's picture.
+/// Renders a view.
 pub(super) fn render(view: &View) -> Picture {
     let picture = view.render(
         Grid::default(),
@@ -146,11 +146,11 @@ pub(super) fn render(view: &View) -> Picture {
         &Cancel::default(),
         &|_| (),
     );
-    // Nobody cancels it.
+    // Nothing cancels it.
     picture.unwrap_or_else(|| Picture::blank(1, 1, false))
 }
 
-/// Its colours alone.
+/// The colours without alpha.
 pub(super) fn to_rgb(picture: &Picture) -> RgbImage {
     RgbImage::from_fn(picture.width, picture.height, |x, y| {
         let [r, g, b, _] = picture.pixels[(y * picture.width + x) as usize];
@@ -158,7 +158,7 @@ pub(super) fn to_rgb(picture: &Picture) -> RgbImage {
     })
 }
 
-/// At another size: pixels are repeated, or averaged in linear light.
+/// Resamples a picture: repeats pixels, or averages them in linear light.
 pub(super) fn resized(picture: &RgbImage, (width, height): (u32, u32)) -> RgbImage {
     let linear = |value: u8| {
         let value = f64::from(value) / 255.0;
@@ -186,7 +186,7 @@ pub(super) fn resized(picture: &RgbImage, (width, height): (u32, u32)) -> RgbIma
             span(x, width, picture.width()),
             span(y, height, picture.height()),
         );
-        // The one in the middle where pixels are repeated.
+        // Enlarging takes the source pixel at the middle of the target pixel.
         if picture.width() <= width {
             let middle = |at: u32, pixels: u32, from: u32| {
                 ((u64::from(at) * 2 + 1) * u64::from(from) / (2 * u64::from(pixels))) as u32
@@ -208,7 +208,7 @@ pub(super) fn resized(picture: &RgbImage, (width, height): (u32, u32)) -> RgbIma
     })
 }
 
-/// Adds the plots, the crops, the numbers, and what is to be read from them.
+/// Adds the charts, the crops, the numbers, and the conclusions.
 pub fn show(section: &mut Section, pictures: &Pictures) -> Result<(), ReportError> {
     let Pictures {
         by_step,
@@ -295,7 +295,7 @@ fn step_words(step: f64) -> String {
     }
 }
 
-/// Which of the two ways comes nearer for the time of the densest step.
+/// Which of step and samples has the lower error in the time of the densest step.
 fn conclusion(pictures: &Pictures, measure: fn(&Difference) -> f64, better: Better) -> String {
     let Some(densest) = pictures.by_step.last() else {
         return "no pictures".to_owned();
@@ -322,14 +322,14 @@ fn conclusion(pictures: &Pictures, measure: fn(&Difference) -> f64, better: Bett
     }
 }
 
-/// The same place of each picture by its step, side by side, with words under each.
+/// Crops of the same rectangle of each picture by step, side by side, with captions.
 fn crops(pictures: &Pictures) -> Result<Vec<u8>, ReportError> {
     const SIDE: u32 = 32;
     const MAGNIFIED: u32 = 7;
     let reference = &pictures.reference;
     let (width, height) = reference.dimensions();
     let side = SIDE.min(width).min(height);
-    // Where the picture of one ray a pixel is furthest from the reference.
+    // The rectangle in which the picture with one sample per pixel differs most from the reference.
     let plain = pictures
         .by_samples
         .first()
@@ -409,7 +409,7 @@ mod tests {
             RgbImage::from_pixel(4, 4, Rgb([90, 160, 230]))
         );
         assert_eq!(resized(&grey, (32, 32)).get_pixel(31, 31).0, [90, 160, 230]);
-        // Half white, half black is 188 in sRGB, not 128.
+        // The mean of black and white in linear light is 188 in sRGB, not 128.
         let stripes = RgbImage::from_fn(8, 8, |x, _| Rgb([if x % 2 == 0 { 255 } else { 0 }; 3]));
         assert_eq!(resized(&stripes, (4, 4)).get_pixel(1, 1).0, [188; 3]);
         let ramp = RgbImage::from_fn(3, 1, |x, _| Rgb([x as u8; 3]));

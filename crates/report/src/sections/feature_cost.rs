@@ -1,4 +1,4 @@
-//! Plot E: what each optional thing costs, when it is used and when it is not.
+//! Plot E: the cost of each optional feature, used and present but unused.
 
 use super::Section;
 use crate::budget::ReportBudget;
@@ -19,30 +19,30 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// What an optional thing costs a picture.
+/// The cost of an optional feature for one picture.
 #[derive(Clone, Debug)]
 pub struct FeatureCost {
-    /// What it is.
+    /// The feature's name.
     pub thing: &'static str,
     /// Milliseconds with it, and without it.
     pub used: [Spread; 2],
-    /// Milliseconds where the scene has it and the picture does not use it; none where that cannot be.
+    /// Milliseconds if the scene has it and the picture does not use it; `None` if that is impossible.
     pub unused: Option<Spread>,
-    /// Bytes more that are kept where it is used.
+    /// Additional bytes kept if it is used.
     pub bytes: f64,
 }
 
-/// One picture to be made again and again.
+/// A picture that is rendered repeatedly.
 struct Repeated {
     view: View,
-    /// With a clock and a sink for its statistics, as `--stats` and the window have them.
+    /// Whether it records statistics with a clock, as `--stats` and the window do.
     counted: bool,
 }
 
-/// Measures them all, in turn.
+/// Measures all features alternately.
 ///
 /// # Errors
-/// A scene that cannot be cast at.
+/// A scene that cannot be built.
 pub fn measure(
     budget: &ReportBudget,
     progress: &dyn ReportProgress,
@@ -68,7 +68,7 @@ pub fn measure(
     };
     let picture = |scene: Scene, settings: Settings| Repeated::new(scene, settings, budget);
     let flat = || picture(scene_of(&plain, None), shaded(Mode::Flat));
-    // Flat shading shows textures: this one is there, and blended in by nothing.
+    // Flat shading shows textures. This texture is present, but has no effect with a blend factor of zero.
     let mut unblended = shaded(Mode::Flat);
     unblended.shading.blend = 0.0;
     let flat_textured = picture(scene_of(&mapped, texture.as_ref()), unblended)?;
@@ -87,7 +87,7 @@ pub fn measure(
         picture(eight, shaded(Mode::Flat))?,
         counted,
     ];
-    // Small differences need many measurements.
+    // The differences are small, so they need more measurements.
     let rounds = 3 * budget.rounds;
     progress.begin("optional things", (pictures.len() * (rounds + 1)) as u64);
     let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
@@ -156,7 +156,7 @@ pub fn measure(
     Ok(costs)
 }
 
-/// A scene of one object.
+/// A scene with one object.
 fn scene_of(mesh: &Arc<Mesh>, texture: Option<&Arc<Texture>>) -> Scene {
     let mut object = Object::new("ball", Arc::clone(mesh));
     object.texture = texture.map(Arc::clone);
@@ -213,7 +213,7 @@ impl Repeated {
     }
 }
 
-/// Bytes a pixel of each channel that a picture can keep beside its colours.
+/// Bytes per pixel of each optional channel of a picture.
 fn channel_bytes() -> [(&'static str, f64); 6] {
     fn of<T>(_: fn(Layers) -> Vec<T>) -> f64 {
         size_of::<T>() as f64
@@ -228,7 +228,7 @@ fn channel_bytes() -> [(&'static str, f64); 6] {
     ]
 }
 
-/// The ball, with its own normals and texture coordinates where they are asked for.
+/// A sphere, optionally with normals and texture coordinates.
 fn ball(triangles: u32, normals: bool, uvs: bool) -> Arc<Mesh> {
     let ball = bumpy_sphere(triangles);
     let positions = positions(&ball);
@@ -258,7 +258,7 @@ fn positions(mesh: &Mesh) -> Vec<DVec3> {
         .collect()
 }
 
-/// Every eighth triangle of a mesh.
+/// Every eighth triangle of a mesh, from the triangle `part` on.
 fn eighth(mesh: &Mesh, part: usize) -> Mesh {
     Mesh::new(MeshData {
         positions: positions(mesh),
@@ -286,7 +286,7 @@ fn checkers() -> Option<Arc<Texture>> {
     Texture::new(SIDE, SIDE, (0..SIDE * SIDE).map(texel).collect()).map(Arc::new)
 }
 
-/// Adds the plot, the table, and what is to be read from them.
+/// Adds the chart, the tables, and the conclusions.
 pub fn show(section: &mut Section, costs: &[FeatureCost]) {
     let more = |cost: &FeatureCost| (cost.used[0].median - cost.used[1].median).max(0.0);
     let mut series = Vec::new();
@@ -349,7 +349,7 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
     section.table("e-channels", table);
 }
 
-/// What things cost that a scene has and a picture does not use.
+/// Describes the cost of features that are present but unused.
 fn unused(costs: &[FeatureCost]) -> String {
     let told: Vec<String> = costs
         .iter()

@@ -1,4 +1,4 @@
-//! What each texture filter costs, beside how far its picture is from the truth.
+//! The cost of each texture filter, and the error of its picture.
 
 use super::Section;
 use super::density::{render, to_rgb};
@@ -22,22 +22,22 @@ const FILTERS: [(&str, Filter); 4] = [
     ("EWA", Filter::Ewa),
 ];
 
-/// A filter's picture at one sample a pixel.
+/// A picture with one sample per pixel and one filter.
 #[derive(Clone, Debug)]
 pub struct Filtered {
     /// The filter's name.
     pub filter: &'static str,
-    /// Milliseconds to make it.
+    /// Milliseconds to render it.
     pub ms: Spread,
-    /// From the reference.
+    /// The difference from the reference.
     pub difference: Difference,
 }
 
-/// Makes a picture of a checkerboard that reaches to the horizon with each filter, and compares each with
-/// one of very many bilinear samples.
+/// Renders a checkerboard that extends to the horizon with each filter, and compares each picture with one of very
+/// many bilinear samples per pixel.
 ///
 /// # Errors
-/// A scene that cannot be cast at, a camera that cannot be had.
+/// A scene that cannot be built, an invalid camera.
 pub fn measure(
     budget: &ReportBudget,
     progress: &dyn ReportProgress,
@@ -93,7 +93,7 @@ pub fn measure(
     .collect()
 }
 
-/// A square of 200 units about the origin, with eight by eight checkers a unit.
+/// A square of 200 × 200 units centred on the origin, with 8 × 8 checkers per unit square.
 fn board() -> Scene {
     let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
     let mesh = Mesh::new(MeshData {
@@ -118,7 +118,7 @@ fn board() -> Scene {
     }
 }
 
-/// Adds the table, and what it is of.
+/// Adds the table and its explanation.
 pub fn show(section: &mut Section, budget: &ReportBudget, filtered: &[Filtered]) {
     let (width, height) = budget.compared;
     section.say(format!(

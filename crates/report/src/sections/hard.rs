@@ -1,4 +1,4 @@
-//! The hard cases: which casters are wrong in which.
+//! The hard cases: which casters fail in which.
 
 use super::Section;
 use super::numerics::{self, Standing};
@@ -17,28 +17,27 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What a caster made of a case.
+/// The results of one caster for one case.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// Against the truth.
+    /// Wrong hits, compared with the oracle.
     pub errors: Errors,
     /// Rays that were cast to measure its speed.
     pub timed_rays: usize,
-    /// The time that they took.
+    /// The time for these rays.
     pub time: Duration,
 }
 
-/// What casters made of the cases: by the caster's name, then by the case's.
+/// The results of all casters for all cases.
 #[derive(Clone, Debug, Default)]
 pub struct Outcomes {
-    /// Names, in the order of [`Subject::casters`].
+    /// The names of the casters, in the order of [`Subject::casters`].
     pub casters: Vec<String>,
-    /// A case, and what each caster made of it, in the order of `casters`; `None` for a caster that was not
-    /// there.
+    /// Each case with the results by caster. A caster that did not run has none.
     pub cases: Vec<(Case, BTreeMap<String, Outcome>)>,
 }
 
-/// Asks every caster about every case.
+/// Checks every caster with every case.
 ///
 /// # Errors
 /// A case whose scene cannot be built.
@@ -47,7 +46,7 @@ pub fn measure(
     library: Option<&Arc<Embree>>,
     progress: &dyn ReportProgress,
 ) -> Result<Outcomes, ReportError> {
-    // Other casters take time without bound for these: `time` measures RayCast alone.
+    // These would take other casters unbounded time: `time` measures RayCast alone.
     let mut all = cases::all();
     all.retain(|case| case.theme != CaseTheme::Time);
     progress.begin("hard cases", all.len() as u64);
@@ -90,7 +89,7 @@ fn as_input(case: &Case, setting: &Setting) -> Input {
     }
 }
 
-/// How many rays a caster has cast on one worker, and the least time of a few that it took.
+/// The number of rays that a caster casts on one thread, and the least time of several repetitions.
 fn speed(
     caster: &dyn Caster,
     checked: &KnownAnswers<'_>,
@@ -130,13 +129,14 @@ fn speed(
     (count, least)
 }
 
-/// Each caster over all cases.
+/// The results of each caster over all cases.
 pub fn over_cases(outcomes: &Outcomes) -> Vec<Standing> {
     let casters = outcomes.casters.iter();
     casters.map(|caster| standing(outcomes, caster)).collect()
 }
 
-/// Plot A over the hard cases (`standings` being those of [`over_cases`]), and who is wrong where.
+/// Adds plot A for the hard cases, whose `standings` are those of [`over_cases`], and a table of which casters fail
+/// where.
 pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) {
     section.say("### Hard cases");
     let rays: u64 = outcomes
@@ -232,8 +232,8 @@ mod tests {
     use super::*;
     use std::fmt::Write;
 
-    /// Which of other people's casters is wrong where, and how often: a line that changes is a change of a
-    /// caster, of a case, or of the oracle, and wants to be understood.
+    /// How often each of the other casters fails in each case. A changed line means that a caster, a case or the
+    /// oracle has changed; find out which before you update the file.
     const EXPECTED: &str = include_str!("hard_failures.txt");
 
     fn told(outcomes: &Outcomes) -> String {

@@ -1,4 +1,4 @@
-//! A tile's frustum and what it leaves of a scene, drawn from outside.
+//! The figure of a tile's frustum and the triangles that each level of the traversal leaves, seen from outside.
 
 use super::chosen_tile::{Chosen, SIZE};
 use crate::chart::{Note, QUIET, TEXT, annotated};
@@ -12,17 +12,18 @@ use raycast_core::scene::{Bounds, Color};
 use raycast_core::{Accel, Simd};
 use std::collections::HashSet;
 
-/// Columns and rows of the figure, and pixels along the side of the tile beside it.
+/// Size of the figure, and side of the enlarged tile beside it, in pixels.
 pub(super) const SHEET: (u32, u32) = (1600, 900);
 const INSET: u32 = 288;
 
-/// Triangles by how far they come, farther each.
+/// Colours of triangles by the last stage that they reach: not below an entry point of the tile, below one, set up
+/// for the packet, seen by a ray of the packet.
 pub(super) const LEFT_OUT: Color = Color([232, 232, 228]);
 pub(super) const LISTED: Color = Color([150, 200, 238]);
 pub(super) const SET_UP: Color = Color([250, 204, 92]);
 pub(super) const SEEN: Color = Color([220, 84, 20]);
 
-/// Lines.
+/// Colours of lines.
 const PICTURE_INK: Color = Color([70, 76, 86]);
 const GRID_INK: Color = Color([190, 196, 204]);
 pub(super) const TILE_INK: Color = Color([0, 92, 170]);
@@ -31,17 +32,17 @@ pub(super) const PACKET_INK: Color = Color([0, 130, 80]);
 pub(super) const CELL_INK: Color = Color([150, 30, 130]);
 const EDGE_INK: Color = Color([90, 70, 60]);
 
-/// What the figure shows, the scene's bounding sphere made the unit sphere.
+/// The geometry of the figure, scaled so that the scene's bounding sphere is the unit sphere.
 pub(super) struct LevelFigure<'a> {
     chosen: &'a Chosen,
     simd: Simd,
-    /// The camera whose tile it is.
+    /// The camera of the tile.
     inner: Camera,
-    /// The camera that looks at all of it from outside.
+    /// The camera of the figure, which looks at everything from outside.
     outer: Camera,
     triangles: Vec<([DVec3; 3], Color)>,
     boxes: Vec<Bounds>,
-    /// Where along the view axis the picture is shown, and where the tile's frustum ends.
+    /// The depths along the view axis at which the picture is drawn, and at which the tile's frustum ends.
     shown_at: f64,
     end: f64,
 }
@@ -116,13 +117,13 @@ impl<'a> LevelFigure<'a> {
         Ok(figure)
     }
 
-    /// Where the inner camera's ray through (x, y) is, so far along its view axis.
+    /// The point at `depth` along the view axis on the inner camera's ray through (x, y).
     fn at(&self, (x, y): (f64, f64), depth: f64) -> DVec3 {
         let direction = self.inner.direction(x, y);
         self.inner.placement().eye + direction * (depth / self.inner.distance())
     }
 
-    /// The corners of a rectangle of the inner camera's picture, so far along its view axis.
+    /// The corners at `depth` of the frustum of some of the inner camera's rays.
     fn corners(&self, rays: &Lattice, depth: f64) -> [DVec3; 4] {
         let (left, top) = (f64::from(rays.x), f64::from(rays.y));
         let (right, bottom) = (left + f64::from(rays.columns), top + f64::from(rays.rows));
@@ -141,15 +142,15 @@ impl<'a> LevelFigure<'a> {
             .lattice()
     }
 
-    /// From the right of the inner camera and above it, a long lens, with everything in view.
+    /// A camera to the right of the inner one and above it, with a narrow field of view that contains everything.
     fn outside(&self) -> Result<Camera, ReportError> {
-        /// Degrees from behind the inner camera to its right, and up.
+        /// Angles in degrees: from behind the inner camera to its right, and upwards.
         const ASIDE: f64 = 62.0;
         const ABOVE: f64 = 14.0;
         const FOV: f64 = 24.0;
-        /// Room about what is in view, as a share of it.
+        /// The size of the view relative to its content.
         const MARGIN: f64 = 1.05;
-        /// What is left free on the left and below, as a share of the sheet.
+        /// Fractions of the sheet that stay free for text, on the left and at the bottom.
         const WORDS: f64 = 0.06;
         const BELOW: f64 = 0.1;
         let (columns, rows) = SHEET;
@@ -172,8 +173,8 @@ impl<'a> LevelFigure<'a> {
             let plane = ImagePlane::new(columns, rows, step)?;
             Ok(Camera::new(placement, Projection::Perspective, plane))
         };
-        // Each round the middle of what is in view goes to the middle of the sheet, and its size to
-        // the sheet's: a few rounds settle it.
+        // Each iteration moves the middle of the content to the middle of the free area and scales it to fit; a few
+        // iterations converge.
         for _ in 0..8 {
             let camera = camera(target, distance)?;
             let places = points.iter().filter_map(|&point| camera.project(point));
@@ -190,7 +191,7 @@ impl<'a> LevelFigure<'a> {
         camera(target, distance)
     }
 
-    /// The triangles, with edges where they are listed: finer ones where there are many.
+    /// Draws the triangles; those below entry points with edges, thinner ones if there are many.
     fn mesh(&self, figure: &mut Figure) {
         const WIDTH: f64 = 1.2;
         const MANY: f64 = 2000.0;
@@ -205,7 +206,7 @@ impl<'a> LevelFigure<'a> {
         }
     }
 
-    /// All of it from outside.
+    /// The view from outside.
     fn overview(&self) -> Result<RgbImage, ReportError> {
         let mut figure = Figure::new(self.outer, self.simd);
         self.mesh(&mut figure);
@@ -214,7 +215,7 @@ impl<'a> LevelFigure<'a> {
         }
         let eye = self.inner.placement().eye;
         figure.ball(eye, 0.032, PICTURE_INK);
-        // The picture, and its tiles.
+        // Draws the picture and its tiles.
         let whole = self.whole();
         let frame = self.corners(&whole, self.shown_at);
         figure.ring(&frame, 3.0, PICTURE_INK);
@@ -242,7 +243,7 @@ impl<'a> LevelFigure<'a> {
         figure.draw()
     }
 
-    /// The tile, the packet, the cell, with lines for each.
+    /// The frusta of tile, packet and cell, with line widths and colours.
     fn frusta(&self) -> [(&Lattice, f64, Color); 3] {
         [
             (&self.chosen.large.rays, 3.4, TILE_INK),
@@ -251,7 +252,7 @@ impl<'a> LevelFigure<'a> {
         ]
     }
 
-    /// The tile as its camera sees it.
+    /// The tile as its own camera sees it.
     fn inset(&self) -> Result<RgbImage, ReportError> {
         let rays = &self.chosen.large.rays;
         let times = INSET / rays.columns.max(rays.rows).max(1);
@@ -305,7 +306,7 @@ impl<'a> LevelFigure<'a> {
         const LINE: f64 = 30.0;
         const LEFT: f64 = 28.0;
         const WORDS: f64 = 76.0;
-        /// How much higher words stand than where they are put.
+        /// Text appears this far above its position; the symbols beside it are moved as far.
         const SINK: f64 = 4.0;
         let Chosen {
             large,

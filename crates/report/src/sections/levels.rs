@@ -1,4 +1,4 @@
-//! Picture F: how a tile's frustum narrows down what its rays can hit, level by level.
+//! Picture F: how each level of packet traversal reduces the triangles that rays must be tested against.
 
 use super::Section;
 use super::chosen_tile::{Chosen, SIZE, choose};
@@ -10,7 +10,7 @@ use raycast_core::camera::Lattice;
 use raycast_core::{Accel, Simd};
 use std::collections::HashSet;
 
-/// A tile's way down the tree, in numbers and as a picture.
+/// The traversal of one tile, as numbers and as a figure.
 #[derive(Clone, Debug)]
 pub struct Descent {
     name: String,
@@ -18,12 +18,12 @@ pub struct Descent {
     png: Vec<u8>,
 }
 
-/// Follows the tile of a scene's picture that shows most.
+/// Traces the tile of a picture that has most to show.
 ///
-/// `None` where no ray hits anything.
+/// `None` if no ray hits a triangle.
 ///
 /// # Errors
-/// A scene that cannot be cast at, a figure that cannot be drawn.
+/// A scene that cannot be built, a figure that cannot be drawn.
 pub fn measure(input: &Input, simd: Simd) -> Result<Option<Descent>, ReportError> {
     let accel = Accel::build(&input.scene)?.with_simd(simd);
     let camera = views::filling(&input.scene, SIZE, views::FOV, 1.1)?;
@@ -39,7 +39,7 @@ pub fn measure(input: &Input, simd: Simd) -> Result<Option<Descent>, ReportError
     }))
 }
 
-/// How many triangles are left at each level.
+/// The number of triangles left at each level.
 fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
     let Chosen { large, packet, .. } = chosen;
     let count = |count: usize| Cell::from(count as u64);
@@ -102,7 +102,7 @@ fn distinct<'a>(primitives: impl Iterator<Item = &'a Vec<u32>>) -> usize {
     primitives.flatten().collect::<HashSet<_>>().len()
 }
 
-/// Adds the picture and the numbers.
+/// Adds the figure and the numbers.
 pub fn show(section: &mut Section, shown: Descent) {
     section.say("## F. A tile's way down the tree");
     section.say(format!(
@@ -177,7 +177,7 @@ mod tests {
             .expect("a PNG")
             .to_rgb8();
         assert_eq!(picture.dimensions(), SHEET);
-        // Every colour of the legend is there.
+        // Every colour of the legend occurs in the figure.
         for Color(color) in [
             LEFT_OUT, LISTED, SET_UP, SEEN, TILE_INK, PACKET_INK, CELL_INK,
         ] {

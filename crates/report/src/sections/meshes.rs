@@ -1,4 +1,4 @@
-//! A mesh after the other: how fast each caster is, and how often it is wrong.
+//! The speed and the errors of each caster for each mesh.
 
 use super::Section;
 use crate::budget::ReportBudget;
@@ -15,42 +15,42 @@ use raycast_core::camera::{Camera, Lattice, Rect};
 use std::collections::HashSet;
 use std::time::Instant;
 
-/// What was found about a mesh.
+/// The results for one mesh.
 #[derive(Clone, Debug)]
 pub struct MeshFigures {
-    /// What tables call it.
+    /// Its name in tables.
     pub name: String,
     /// Triangles of the files, dropped ones included.
     pub triangles: usize,
-    /// The share of the picture's rays that hit something.
+    /// The fraction of the picture's rays that hit a triangle.
     pub hit_share: f64,
-    /// Different triangles that rays hit, for each ray that hits one.
+    /// Distinct triangles hit per ray that hits one.
     pub density: f64,
-    /// Reading the files, in milliseconds; none where they were made in memory.
+    /// Milliseconds to read the files; `None` for a mesh made in memory.
     pub parse_ms: Option<f64>,
-    /// Building RayCast's tree, in milliseconds.
+    /// Milliseconds to build RayCast's BVH.
     pub build_ms: f64,
-    /// Bytes kept for a triangle: the tree and the triangles.
+    /// Bytes kept per triangle, for the BVH and the triangle itself.
     pub bytes_per_triangle: f64,
-    /// Caster by caster.
+    /// The results of each caster.
     pub casters: Vec<CasterFigures>,
 }
 
-/// What was found about a caster at a mesh.
+/// The results of one caster for one mesh.
 #[derive(Clone, Debug)]
 pub struct CasterFigures {
     /// The caster's name.
     pub name: String,
-    /// Million rays a second.
+    /// Millions of rays per second.
     pub mrays: Spread,
-    /// Against the truth.
+    /// Wrong hits, compared with the oracle.
     pub errors: Errors,
 }
 
-/// Measures all casters at one mesh.
+/// Measures all casters with one mesh.
 ///
 /// # Errors
-/// A camera that cannot be had.
+/// An invalid camera.
 pub fn measure(
     subject: &Subject,
     budget: &ReportBudget,
@@ -97,10 +97,12 @@ pub fn measure(
     })
 }
 
-/// Seconds that a frame may take; of a caster that takes longer fewer rays are measured.
+/// The greatest duration of a frame in seconds. A caster that would take longer is measured with fewer rays:
+/// otherwise the slowest casters would take most of the report's time.
 const LONG_FRAME: f64 = 0.15;
 
-/// The stride at which a caster's frame is not too long, estimated from every eighth ray of every eighth row.
+/// The stride with which a caster's frame takes about [`LONG_FRAME`] at most, estimated from every eighth ray of
+/// every eighth row.
 fn affordable_stride(caster: &dyn Caster, camera: &Camera, tests: usize) -> u32 {
     const SAMPLE: u32 = 8;
     if caster.tries() > 0 {
@@ -113,8 +115,8 @@ fn affordable_stride(caster: &dyn Caster, camera: &Camera, tests: usize) -> u32 
     ((frame / LONG_FRAME).sqrt().floor() as u32).max(1)
 }
 
-/// Million rays a second of each caster, in turn; every ray of the picture, and where that would take
-/// too long some of them, evenly spread.
+/// Millions of rays per second of each caster, measured alternately. Casters that are too slow for every ray of the
+/// picture trace an evenly spaced subset.
 pub fn speeds(
     casters: &[Box<dyn Caster>],
     camera: &Camera,
@@ -144,7 +146,7 @@ pub fn speeds(
     seconds.into_iter().zip(&lattices).map(rate).collect()
 }
 
-/// How many rays of the picture hit something, and how many different triangles they hit.
+/// How many rays of the picture hit a triangle, and how many distinct triangles they hit.
 fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
     let plane = camera.plane();
     let rect = Rect {

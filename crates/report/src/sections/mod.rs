@@ -1,4 +1,4 @@
-//! What a report is made of, a part each: what is measured, and how it is shown.
+//! The sections of a report; each module measures one subject and presents it.
 
 pub mod breaking;
 mod chosen_tile;

@@ -1,4 +1,4 @@
-//! Plot A: speed against wrong triangles.
+//! Plot A: speed against errors.
 
 use super::Section;
 use super::meshes::{MeshFigures, stated};
@@ -8,14 +8,14 @@ use crate::pareto::front;
 use crate::table::{Cell, Table, grouped};
 use crate::timing::geometric_mean;
 
-/// A caster, over several scenes.
+/// The results of a caster over several scenes.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// The caster's name.
     pub name: String,
-    /// Million rays a second.
+    /// Millions of rays per second.
     pub mrays: f64,
-    /// Wrong triangles.
+    /// The number of wrong triangles.
     pub wrong: u64,
     /// Rays that were checked.
     pub rays: u64,
@@ -27,8 +27,8 @@ impl Standing {
     }
 }
 
-/// Each caster over all meshes: errors together, speeds by their geometric mean. A caster that some mesh
-/// does without is left out.
+/// The results of each caster over all meshes: the sum of errors, and the geometric mean of speeds. Casters that
+/// have no results for some mesh are left out.
 pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
     let Some(first) = meshes.first() else {
         return Vec::new();
@@ -57,8 +57,7 @@ pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
         .collect()
 }
 
-/// Adds the table that says it all: how fast each caster is, and how often it is wrong on ordinary meshes
-/// and on hard cases.
+/// Adds the main table: how fast each caster is, and how often it is wrong on ordinary meshes and on hard cases.
 pub fn headline(section: &mut Section, ordinary: &[Standing], hard: &[Standing]) {
     let mut table = Table::new(&[
         "caster",
@@ -80,7 +79,7 @@ pub fn headline(section: &mut Section, ordinary: &[Standing], hard: &[Standing])
     section.table("a-headline", table);
 }
 
-/// Adds the plot of some casters, its numbers, and what is to be read from it.
+/// Adds a chart of some casters, its numbers, and the conclusion.
 pub fn show(
     section: &mut Section,
     name: &str,
@@ -157,8 +156,8 @@ pub fn show(
     section.numbers(name, numbers(standings));
 }
 
-/// The fastest of those that were never wrong in nearly as many rays as any was given; of those that
-/// are as fast to a twentieth, which is what a machine's mood changes, the first.
+/// The fastest caster without errors among those checked with more than half of the most rays that any was checked
+/// with. Speeds that differ by less than 5 % are taken as equal, since that is noise; the first of equals wins.
 fn best_of_the_right(standings: &[Standing]) -> Option<&Standing> {
     let most = standings.iter().map(|caster| caster.rays).max()?;
     let right = || {

@@ -1,4 +1,4 @@
-//! What samples bring: error against their number, on every scene.
+//! The error of pictures by the number of samples, for every scene.
 
 use super::Section;
 use super::density::{render, resized, to_rgb, with_samples, with_step};
@@ -14,22 +14,23 @@ use raycast_core::math;
 use raycast_core::render::{Settings, View};
 use std::sync::Arc;
 
-/// Rays a pixel.
+/// Samples per pixel.
 const SAMPLES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Rays of the reference along a side of a pixel. They lie on a square lattice: it has none of the samples' places.
+/// Rays of the reference along each side of a pixel. They form a square lattice, so that none coincides with a
+/// sample's position.
 const REFERENCE: f64 = 16.0;
 
-/// A scene's pictures with more and more samples.
+/// A scene's errors with increasing numbers of samples.
 #[derive(Clone, Debug)]
 pub struct SampledScene {
     name: String,
-    /// From the reference, by the number of samples.
+    /// The differences from the reference, by number of samples.
     differences: Vec<(u32, Difference)>,
 }
 
 impl SampledScene {
-    /// The slope of the logarithm of an error over that of the samples, by least squares.
+    /// The slope of log error over log samples, by linear least squares. It is the order of convergence.
     fn slope(&self, measure: fn(&Difference) -> f64) -> f64 {
         let points: Vec<(f64, f64)> = (self.differences.iter())
             .map(|(samples, difference)| {
@@ -56,10 +57,10 @@ impl SampledScene {
     }
 }
 
-/// Makes each scene's picture with more and more samples, and compares it with the mean of 256 rays a pixel.
+/// Renders each scene with increasing numbers of samples, and compares it with the mean of 256 rays per pixel.
 ///
 /// # Errors
-/// A scene that cannot be cast at, a camera that cannot be had.
+/// A scene that cannot be built, an invalid camera.
 pub fn measure(
     inputs: &[Input],
     budget: &ReportBudget,
@@ -92,7 +93,7 @@ pub fn measure(
     inputs.iter().map(scene).collect()
 }
 
-/// Adds the plots, the numbers, and how to read them.
+/// Adds the charts, the numbers, and how to read them.
 pub fn show(section: &mut Section, budget: &ReportBudget, scenes: &[SampledScene]) {
     const INKS: [Ink; 7] = [
         Ink::Blue,

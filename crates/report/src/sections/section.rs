@@ -1,43 +1,43 @@
-//! A part of a report: text, plots, tables, pictures.
+//! A section of a report: text, charts, tables, pictures.
 
 use crate::chart::Chart;
 use crate::table::Table;
 
-/// A part of a report.
+/// A section of a report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Section {
-    /// Its text, in Markdown, plots and tables in their places.
+    /// Its text in Markdown, which refers to charts and tables.
     pub text: String,
-    /// Its plots, by the names of their files.
+    /// Its charts, by file name.
     pub charts: Vec<(String, Chart)>,
-    /// Its numbers, by the names of their files.
+    /// Its tables, by file name.
     pub tables: Vec<(String, Table)>,
-    /// Its pictures: files ready to be written.
+    /// Its pictures as encoded files, by file name.
     pub pictures: Vec<(String, Vec<u8>)>,
 }
 
 impl Section {
-    /// Adds a line of text, and an empty one.
+    /// Adds a paragraph of text.
     pub fn say(&mut self, text: impl AsRef<str>) {
         self.text.push_str(text.as_ref());
         self.text.push_str("\n\n");
     }
 
-    /// Adds a plot where the text has come to.
+    /// Adds a chart at the current end of the text.
     pub fn chart(&mut self, name: &str, chart: Chart) {
         let line = format!("![{}]({name}.png)", chart.title);
         self.say(line);
         self.charts.push((name.to_owned(), chart));
     }
 
-    /// Adds a table for people where the text has come to, and for programs beside it.
+    /// Adds a table at the current end of the text, and as CSV.
     pub fn table(&mut self, name: &str, table: Table) {
         self.text.push_str(&table.markdown());
         self.text.push('\n');
         self.numbers(name, table);
     }
 
-    /// Adds a table for programs alone.
+    /// Adds a table as CSV only.
     pub fn numbers(&mut self, name: &str, table: Table) {
         self.tables.push((name.to_owned(), table));
     }

@@ -1,4 +1,4 @@
-//! Plot C: how speed depends on what is cast at, and with what.
+//! Plot C: how speed depends on the scene, the picture and the number of threads.
 
 use super::Section;
 use super::meshes::speeds;
@@ -18,29 +18,29 @@ use raycast_core::scene::Scene;
 use raycast_core::{Accel, Simd};
 use std::sync::Arc;
 
-/// A caster's speed along an axis.
+/// The speed of a caster along an axis.
 #[derive(Clone, Debug)]
 pub struct SpeedCurve {
     /// The caster's name.
     pub caster: String,
-    /// Places along the axis, with million rays a second there.
+    /// Positions on the axis, each with millions of rays per second.
     pub points: Vec<(f64, Spread)>,
 }
 
-/// What is varied.
+/// The quantity that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpeedSweep {
-    /// How many triangles a pixel shows: the ball is brought nearer.
+    /// Triangles in the frame per ray that hits one: the camera approaches the sphere.
     Density,
-    /// How many triangles the ball has.
+    /// The number of the sphere's triangles.
     Triangles,
-    /// How many rays the picture has.
+    /// The number of the picture's rays.
     Resolution,
-    /// How many workers there are.
+    /// The number of threads.
     Threads,
 }
 
-/// Triangles of the ball where they are not what is varied.
+/// Triangles of the sphere where their number is not varied.
 const TRIANGLES: u32 = 100_000;
 
 impl SpeedSweep {
@@ -80,10 +80,10 @@ impl SpeedSweep {
     }
 }
 
-/// Measures all casters but the slowest along one axis.
+/// Measures the casters with a BVH built for speed along one axis.
 ///
 /// # Errors
-/// A camera that cannot be had.
+/// An invalid camera.
 pub fn measure(
     sweep: SpeedSweep,
     budget: &ReportBudget,
@@ -95,7 +95,7 @@ pub fn measure(
     let (columns, rows) = budget.size;
     match sweep {
         SpeedSweep::Density => {
-            // From afar to nearby, and then through ever longer lenses.
+            // The camera approaches, then its field of view narrows.
             let views = [0.0625, 0.125, 0.25, 0.5, 1.0].map(|nearer| (nearer, views::FOV));
             let lenses = [2.0, 4.0, 8.0, 16.0].map(|longer| (1.0, views::FOV / longer));
             progress.begin("density", (views.len() + lenses.len()) as u64);
@@ -172,7 +172,7 @@ fn add(curves: &mut Vec<SpeedCurve>, place: f64, speeds: Vec<(String, Spread)>) 
     }
 }
 
-/// A ball, and those casters that need not try every triangle.
+/// A sphere, and the casters with a BVH built for speed.
 struct Target {
     scene: Arc<Scene>,
     accel: Arc<Accel>,
@@ -195,7 +195,7 @@ impl Target {
         })
     }
 
-    /// Each caster's speed at a picture of this size that the ball fills.
+    /// The speed of each caster for a picture of this size that the sphere fills.
     fn measure(
         &self,
         size: (u32, u32),
@@ -206,7 +206,7 @@ impl Target {
     }
 
     fn speeds(&self, camera: &Camera, budget: &ReportBudget) -> Vec<(String, Spread)> {
-        // There are many places: what matters is the curve.
+        // Fewer rounds: there are many positions, and the shape of the curve matters more than each value.
         let budget = ReportBudget {
             rounds: budget.rounds.div_ceil(2),
             ..*budget
@@ -216,7 +216,7 @@ impl Target {
         names.zip(measured).collect()
     }
 
-    /// Triangles in the frame, the hidden ones too, for each ray that hits one.
+    /// Triangles in the frame, occluded ones included, per ray that hits one.
     fn density(&self, camera: &Camera) -> f64 {
         let plane = camera.plane();
         let (width, height) = (f64::from(plane.columns), f64::from(plane.rows));
@@ -236,7 +236,7 @@ impl Target {
     }
 }
 
-/// Adds the plot of one axis, its numbers, and what is to be read from it.
+/// Adds the chart of one axis, its numbers, and the conclusion.
 pub fn show(section: &mut Section, sweep: SpeedSweep, curves: &[SpeedCurve]) {
     let series = curves
         .iter()
@@ -288,7 +288,7 @@ pub fn show(section: &mut Section, sweep: SpeedSweep, curves: &[SpeedCurve]) {
     section.numbers(sweep.name(), table);
 }
 
-/// How RayCast's exact tiles do against the best of the others, from place to place.
+/// The ratio of the speed of RayCast's exact tiles to the best other caster's, over all positions.
 fn conclusion(curves: &[SpeedCurve]) -> String {
     let (mine, others): (Vec<&SpeedCurve>, Vec<&SpeedCurve>) = curves
         .iter()

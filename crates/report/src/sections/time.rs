@@ -1,4 +1,4 @@
-//! What hostile scenes cost, beside as many ordinary triangles in the same place.
+//! The cost of adversarial scenes, compared with as many ordinary triangles in the same place.
 
 use super::Section;
 use crate::cameras::PROJECTIONS;
@@ -10,36 +10,36 @@ use raycast_core::camera::Projection;
 use raycast_core::{Accel, Cull, Detail, Precision};
 use std::time::{Duration, Instant};
 
-/// Columns and rows: what takes long takes seconds.
+/// Columns and rows of the pictures: small, because these scenes take seconds even so.
 const SIZE: (u32, u32) = (64, 48);
 
-/// What a picture of a hostile scene took, and of an ordinary one, on one thread.
+/// The times for a picture of an adversarial scene and of an ordinary one, on one thread.
 #[derive(Clone, Debug)]
 pub struct HostileCost {
     /// The hard case.
     pub name: &'static str,
-    /// How it was seen.
+    /// Its projection.
     pub projection: Projection,
-    /// Triangles, those that are copies of others not counted.
+    /// The number of triangles without duplicates.
     pub triangles: usize,
-    /// The tree's building.
+    /// The time to build the BVH.
     pub build: Duration,
-    /// Of as many ordinary triangles.
+    /// The same for as many ordinary triangles.
     pub ordinary_build: Duration,
-    /// The picture's rays, exact, with t, u and v.
+    /// The time to cast the picture's rays, exact, with t, u and v.
     pub cast: Duration,
-    /// Of as many ordinary triangles.
+    /// The same for as many ordinary triangles.
     pub ordinary_cast: Duration,
 }
 
 impl HostileCost {
-    /// How many times as long as ordinary triangles these take.
+    /// The ratio of the time for the picture to that for ordinary triangles.
     pub fn times(&self) -> f64 {
         self.cast.as_secs_f64() / self.ordinary_cast.as_secs_f64()
     }
 }
 
-/// The least of some rounds, hostile and ordinary in turn.
+/// The least time of several rounds, adversarial and ordinary scenes alternately.
 ///
 /// # Errors
 /// A scene that cannot be built.
@@ -89,7 +89,7 @@ pub fn measure(
     Ok(costs)
 }
 
-/// A row a scene and projection.
+/// Adds a table with a row for each scene and projection.
 pub fn show(section: &mut Section, costs: &[HostileCost]) {
     section.say("### Time of hostile scenes");
     section.say(format!(

@@ -1,4 +1,4 @@
-//! What commands leave to do for other threads, handed to them.
+//! Starting the work that effects request from other threads.
 
 use super::keys;
 use crate::state::effect::Effect;
@@ -7,7 +7,7 @@ use crate::worker::files::{Files, Saving};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Hands work to the threads that do it. What the window does itself is none: the clipboard, its keys, its end.
+/// Starts an effect's work on its thread. Effects of the window itself are not handled here: clipboard, keys, closing.
 pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
     match effect {
         Effect::Open(paths, keep) => files.open(paths, keep),
@@ -60,18 +60,16 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
     }
 }
 
-/// Works out the size of an object, if it is not known.
+/// Measures an object, if its size is not known.
 fn weigh(state: &State, files: &Files, number: usize) {
-    let scene = state.document.as_ref().map(|document| &document.scene);
-    let Some((scene, transforms)) =
-        scene.and_then(|scene| Some((scene, scene.world_from_objects().ok()?)))
-    else {
+    let Some(document) = &state.document else {
         return;
     };
-    if let (Some(object), Some(place)) = (scene.objects.get(number), transforms.get(number))
-        && state.inspection.size(&object.mesh, place).is_none()
+    let scene = &document.scene;
+    if let (Some(object), Ok(place)) = (scene.objects.get(number), scene.world_from_object(number))
+        && state.inspection.size(&object.mesh, &place).is_none()
     {
-        files.weigh(Arc::clone(&object.mesh), *place);
+        files.weigh(Arc::clone(&object.mesh), place);
     }
 }
 

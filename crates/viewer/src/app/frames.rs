@@ -1,9 +1,9 @@
 //! When the window is painted.
 //!
-//! The display may set the pace, or nothing may: painted by the CPU, a window is ready for its next
-//! frame at once. A frame that begins when a picture is nearly there shows nothing new, and takes
-//! the cores from it. So a frame begins when there is something to show, or 40 ms after the last one
-//! began. In between the window sleeps, and takes in events as ever.
+//! A window that is painted by the CPU may not be limited by the display's rate: it is ready for its next frame at
+//! once. A frame shortly before a picture is complete would show nothing new and take processor time from the picture.
+//! So a frame starts when there is something to show, or 40 ms after the start of the last one. In between the window
+//! sleeps, and handles events as usual.
 
 use crate::worker::outbox::Outbox;
 use crate::worker::{SharedClock, Wake, pace};
@@ -15,17 +15,17 @@ use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::WindowId;
 
-/// From the beginning of a frame to that of the next while a picture is awaited: what the first pass
-/// of one may take. A frame in between would make it later.
+/// The longest time between the starts of two frames while a picture is awaited: the budget of a picture's first pass.
+/// A frame in between would delay the picture.
 const LONGEST: Duration = pace::BUDGET;
 
-/// What ends the pause of a frame that is held, from any thread. A request to repaint does not: the
-/// frame has been asked for, and egui asks once.
+/// A callback that ends the delay of a frame, from any thread. A repaint request would not: egui has requested the
+/// frame already, and requests it once.
 pub fn nudge(event_loop: &EventLoop<UserEvent>) -> Wake {
     let proxy = event_loop.create_proxy();
     Arc::new(move || {
-        // A request of a time long past asks for nothing, but it is an event. Once the window is closed
-        // there is no one to tell.
+        // A repaint request of a past pass is ignored, but it wakes the event loop. Sending fails only after the window
+        // is closed.
         let _ = proxy.send_event(UserEvent::RequestRepaint {
             viewport_id: egui::ViewportId::ROOT,
             when: Instant::now(),
@@ -34,20 +34,20 @@ pub fn nudge(event_loop: &EventLoop<UserEvent>) -> Wake {
     })
 }
 
-/// How long the next frame waits, the last one having begun at `begun`; `None` if there is no reason to.
+/// The delay of the next frame, when the last one started at `begun`; `None` for no delay.
 fn pause(begun: Option<Duration>, now: Duration, is_awaited: bool) -> Option<Duration> {
     let pause = (begun? + LONGEST).checked_sub(now)?;
     (is_awaited && !pause.is_zero()).then_some(pause)
 }
 
-/// eframe's window, whose frames wait for pictures.
+/// eframe's window, with frames that are delayed until pictures are ready.
 pub struct Frames<'a> {
     window: EframeWinitApplication<'a>,
     outbox: Arc<Outbox>,
     clock: SharedClock,
-    /// A frame that has been asked for. There is one window.
+    /// A requested frame that is delayed. There is one window.
     held: Option<WindowId>,
-    /// When the last one began.
+    /// The start of the last frame.
     begun: Option<Duration>,
 }
 
@@ -91,7 +91,7 @@ impl ApplicationHandler<UserEvent> for Frames<'_> {
         }
     }
 
-    /// The last of each turn of the loop: decides how long it sleeps.
+    /// Called last in each iteration of the event loop: sets how long it sleeps.
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         self.window.about_to_wait(event_loop);
         let Some(window) = self.held else {

@@ -1,4 +1,4 @@
-//! The file in which a person gives commands other keys, beside the file of the settings.
+//! The key bindings file, beside the settings file.
 
 use crate::state::State;
 use crate::state::news::{News, receive};
@@ -8,12 +8,12 @@ use std::path::PathBuf;
 
 const NAME: &str = "keys.toml";
 
-/// Where it is; nowhere on a system that has no folder for settings.
+/// Its path; `None` on a system without a folder for settings.
 pub(super) fn path() -> Option<PathBuf> {
     Some(eframe::storage_dir("raycast")?.join(NAME))
 }
 
-/// Opens it, and writes one first if there is none.
+/// Opens it; if there is none, writes a template first.
 pub(super) fn open(state: &mut State, files: &Files) {
     match path() {
         Some(path) => files.open_keys(path, KeysFile::template()),
@@ -21,7 +21,7 @@ pub(super) fn open(state: &mut State, files: &Files) {
     }
 }
 
-/// Reads it because a person asked for it.
+/// Reads it at the user's request.
 pub(super) fn read_again(state: &mut State, files: &Files) {
     match path() {
         Some(path) => files.read_keys(path, true),
@@ -29,7 +29,7 @@ pub(super) fn read_again(state: &mut State, files: &Files) {
     }
 }
 
-/// Gives commands the keys that it says.
+/// Applies its key bindings.
 pub(super) fn set(state: &mut State, context: &egui::Context, text: &str, asked: bool) {
     let KeysFile {
         keymap,

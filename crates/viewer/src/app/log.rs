@@ -1,4 +1,4 @@
-//! The window's own frame log: what a person feels, written down.
+//! The window's frame log: the times of frames and pictures.
 //!
 //! One JSON object a line. A frame of the interface gives
 //! `{"ms", "frame_ms", "last_frame_ms", "asked", "shown", "stride", "samples", "complete"}`: milliseconds
@@ -15,15 +15,15 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// A log. Until the first scene is there its lines are held back: the file could be one that the scene
-/// is read from.
+/// A log. Its lines are kept in memory until the first scene is read: the log's file could be one that the scene is
+/// read from.
 #[derive(Debug)]
 pub struct FrameLog {
     output: Output,
     lines: Lines,
 }
 
-/// Where lines go.
+/// The destination of lines.
 #[derive(Debug)]
 enum Lines {
     Held(Vec<u8>),
@@ -31,25 +31,25 @@ enum Lines {
     Lost,
 }
 
-/// What a line tells of a frame.
+/// The values of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameLine {
-    /// Since the window opened, at the frame's end.
+    /// The time at the frame's end, since the window opened.
     pub now: Duration,
-    /// What the frame took so far: reading news, laying out.
+    /// The frame's duration up to painting: applying news, layout.
     pub frame: Duration,
-    /// What the last frame took, with its painting.
+    /// The last frame's duration, with painting.
     pub last_with_painting: Option<f32>,
-    /// The newest picture asked for.
+    /// The newest requested picture.
     pub asked: u64,
-    /// The one on screen.
+    /// The picture on screen.
     pub shown: u64,
-    /// How far that is.
+    /// Its progress.
     pub progress: PictureProgress,
 }
 
 impl FrameLog {
-    /// A log that is to be written to a file, which is none of these.
+    /// A log at a path, which must be none of these files.
     ///
     /// # Errors
     /// As [`Output::at`].
@@ -61,10 +61,10 @@ impl FrameLog {
         })
     }
 
-    /// Writes what there is, and from now on every line as it comes, in place of what the file held.
+    /// Starts writing: replaces the file's contents by the lines so far, and writes further lines immediately.
     ///
     /// # Errors
-    /// A file that is one of those `opened`, or that the system refuses: then there is no log.
+    /// A file that is one of those `opened`, or that cannot be written: nothing is logged then.
     pub fn begin(&mut self, opened: &[PathBuf]) -> Result<(), Failure> {
         let Lines::Held(held) = &self.lines else {
             return Ok(());
@@ -83,7 +83,7 @@ impl FrameLog {
         Ok(())
     }
 
-    /// Writes a frame down. A full disk must not end the session: then there is no more log.
+    /// Logs a frame. A full disk must not end the session: logging stops then.
     pub fn frame(&mut self, line: FrameLine) {
         let pass = line.progress.pass;
         let value = serde_json::json!({
@@ -99,7 +99,7 @@ impl FrameLog {
         self.write(&value);
     }
 
-    /// Writes a request down.
+    /// Logs a request.
     pub fn request(&mut self, now: Duration, generation: u64, size: (u32, u32), threads: usize) {
         self.write(&serde_json::json!({
             "ms": milliseconds(now),

@@ -1,10 +1,8 @@
-//! The window's state and what its commands do to it.
+//! The window: state, workers and panels, connected to eframe.
 //!
-//! [`State`] is plain values; panels make [commands](crate::state::command::Command); [`update`]
-//! carries them out and is the only one that changes the state. Here is what ties that to eframe: once a
-//! frame it takes in scenes and messages, shows the panels, carries out what was asked, asks for a new
-//! picture if anything that decides it has changed, and takes in the tiles of the last one. Nothing
-//! here waits.
+//! [`State`] is plain values; panels emit [commands](crate::state::command::Command); [`update`] executes them. Each
+//! frame applies news from workers, shows the panels, executes their commands, requests a new picture if anything that
+//! decides it has changed, and stores the tiles of the last one. Nothing here blocks.
 
 pub mod effects;
 pub mod frames;
@@ -46,15 +44,15 @@ struct Wanted {
     threads: usize,
 }
 
-/// What the window shares with the loop that decides [when it is painted](frames).
+/// What the window shares with the event loop that decides [when it is painted](frames).
 pub struct Link {
-    /// Where its pictures come through.
+    /// The outbox of the render thread.
     pub outbox: Arc<Outbox>,
     /// Its clock.
     pub clock: SharedClock,
-    /// What makes the loop look.
+    /// Wakes the event loop.
     pub nudge: Wake,
-    /// How much reading files may take.
+    /// The limits of reading files.
     pub limits: Limits,
 }
 
@@ -65,12 +63,12 @@ pub struct App {
     overlay: TileOverlay,
     renderer: Renderer,
     files: Files,
-    /// What is watched, and the files that it watches.
+    /// The file watch, and the files that it watches.
     watch: Option<Watch>,
     watched: Vec<PathBuf>,
-    /// The file that changes keys, once it has been read.
+    /// The key bindings file, once it has been read.
     keys_file: Option<PathBuf>,
-    /// Whether the person has said that the window may close.
+    /// Whether the user has confirmed closing the window.
     may_close: bool,
     clock: SharedClock,
     log: Option<FrameLog>,
@@ -148,7 +146,7 @@ impl App {
         })
     }
 
-    /// Takes in what workers sent since the last frame, but for tiles of this size.
+    /// Applies what workers sent since the last frame, except tiles of a picture of the present size.
     fn take_in(&mut self, context: &egui::Context) {
         let now = (self.clock)();
         self.state.now = now;
@@ -166,7 +164,7 @@ impl App {
         }
         for news in news {
             if let News::Loaded(loaded) = &news {
-                // The same scene once more stays in view until it can be seen anew.
+                // A reloaded scene stays on screen until its new picture comes.
                 if loaded.keep != Keep::All {
                     self.canvas.clear(self.generation + 1);
                 }
@@ -194,7 +192,7 @@ impl App {
         self.drop_in(context, paths, adds);
     }
 
-    /// Watches the files of the scene that is open, and the one that changes keys.
+    /// Watches the files of the open scene, and the key bindings file.
     fn watch_files(&mut self) {
         let Some(watch) = &self.watch else {
             return;
@@ -211,7 +209,7 @@ impl App {
         }
     }
 
-    /// Keeps the window open while a person is asked about unsaved changes.
+    /// Keeps the window open for the question about unsaved changes.
     fn hold_closing(&mut self, context: &egui::Context) {
         let is_closing = context.input(|input| input.viewport().close_requested());
         if is_closing && !self.may_close && self.state.has_unsaved() {
@@ -220,7 +218,7 @@ impl App {
         }
     }
 
-    /// Lets the log be written, now that it is known which files are not to be touched.
+    /// Starts writing the log, now that the files of the scene are known.
     fn begin_log(&mut self, now: Duration) {
         if let Some(log) = &mut self.log
             && let Err(failure) = log.begin(&self.files.opened())
@@ -230,7 +228,8 @@ impl App {
         }
     }
 
-    /// Takes in tiles of pictures of a size that fits what is shown. Returns whether they begin or end one.
+    /// Stores tiles of pictures whose size `fits` the one on screen. Returns whether a picture starts or ends with
+    /// them.
     fn take_in_tiles(&mut self, fits: impl Fn((u32, u32), (u32, u32)) -> bool) -> bool {
         let (now, shown) = ((self.clock)(), self.canvas.size());
         let mut turns = false;
@@ -242,25 +241,20 @@ impl App {
         turns
     }
 
-    /// Takes in tiles at the end of the frame, when the next picture is already under way: cores that
-    /// cast rays do not wait for pixels to be copied. A picture of another size has been taken in at the
-    /// beginning, before its place was laid out.
+    /// Stores tiles at the end of the frame, after the next picture was requested: the render threads do not wait while
+    /// pixels are copied. Pictures of another size were stored at the start, before layout.
     fn take_in_late(&mut self, context: &egui::Context) {
         if self.take_in_tiles(|size, shown| size == shown) {
-            // What the panels say of it. While a picture gets finer the worker says when to look.
+            // The panels show its progress. While a picture is refined the worker wakes the window.
             context.request_repaint();
         }
         self.canvas.hand_over();
     }
 
-    /// Opens what was dropped: an image becomes the texture, anything else the scene, or a part of it.
+    /// Opens the dropped files.
     fn drop_in(&mut self, context: &egui::Context, paths: Vec<PathBuf>, adds: bool) {
-        let (images, scenes): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_image(path));
-        let command = match images.into_iter().next() {
-            _ if !scenes.is_empty() && adds => Command::Add(scenes),
-            _ if !scenes.is_empty() => Command::Open(scenes),
-            Some(image) => Command::DropPicture(image),
-            None => return,
+        let Some(command) = command_of_drop(paths, adds) else {
+            return;
         };
         let effect = update::update(&mut self.state, command);
         self.carry_out(context, effect);
@@ -271,7 +265,7 @@ impl App {
             None => {}
             Some(Effect::SetKeys { text, asked }) => {
                 keys::set(&mut self.state, context, &text, asked);
-                // As the watch tells of it.
+                // In the form in which the watch reports it.
                 self.keys_file = keys::path().and_then(|path| path.canonicalize().ok());
             }
             Some(Effect::Copy(text)) => context.copy_text(text),
@@ -305,8 +299,8 @@ impl App {
         self.state.hover = place.hover;
         for command in commands.drain(..) {
             if !command.moves_camera() {
-                // Controls show what was changed in the next frame, which must therefore come. A
-                // camera that moves is seen when its picture comes, which wakes the window.
+                // Controls show the change in the next frame, which must therefore be requested. A moving camera shows
+                // when its picture arrives, which wakes the window.
                 context.request_repaint();
             }
             let effect = update::update(&mut self.state, command);
@@ -315,14 +309,14 @@ impl App {
         self.commands = commands;
     }
 
-    /// How far the newest picture is: not at all while an older one is on screen.
+    /// The newest picture's progress; incomplete while an older one is on screen.
     fn progress(&self) -> canvas::PictureProgress {
         let mut progress = self.canvas.progress();
         progress.complete &= self.canvas.generation() == self.generation;
         progress
     }
 
-    /// Asks for a new picture if anything that decides it has changed.
+    /// Requests a new picture if anything that decides it has changed.
     fn request(&mut self) {
         let Some(view) = self.state.view() else {
             return;
@@ -339,8 +333,8 @@ impl App {
             grid: self.state.grid,
             threads: self.state.threads,
         };
-        // While nothing of the last picture can be seen, the next one waits for a frame that knows where
-        // the camera has got to by then. That frame comes with the last picture.
+        // Until the last picture can be shown the next one waits: the frame that shows the last one will have a newer
+        // camera.
         if self.wanted == Some(wanted) || self.renderer.outbox().is_busy() {
             return;
         }
@@ -415,9 +409,43 @@ impl eframe::App for App {
     }
 }
 
+/// The command for dropped files. Meshes and scenes replace the scene, or are added to it. An image alone becomes the
+/// texture, or, if it has a recipe, restores its camera and look.
+fn command_of_drop(paths: Vec<PathBuf>, adds: bool) -> Option<Command> {
+    let (images, scenes): (Vec<_>, Vec<_>) = paths.into_iter().partition(|path| is_image(path));
+    match (scenes.is_empty(), adds) {
+        (false, true) => Some(Command::Add(scenes)),
+        (false, false) => Some(Command::Open(scenes)),
+        (true, _) => images.into_iter().next().map(Command::DropPicture),
+    }
+}
+
 /// Whether a file is an image by its name.
 fn is_image(path: &Path) -> bool {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
         .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm", "exr"].contains(&extension.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dropped_meshes_scenes_and_prepared_files_are_opened_or_added_and_images_are_textures() {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let meshes = ["a.obj", "b.raycast", "c.raycast.toml"];
+        let dropped = |names: &[&str], adds| command_of_drop(paths(names), adds);
+        assert_eq!(dropped(&meshes, false), Some(Command::Open(paths(&meshes))));
+        assert_eq!(dropped(&meshes, true), Some(Command::Add(paths(&meshes))));
+        let image = Some(Command::DropPicture("wood.PNG".into()));
+        assert_eq!(dropped(&["wood.PNG", "more.jpg"], false), image);
+        // An image beside a mesh is most likely one that the mesh names.
+        let with_image = ["wood.PNG", "a.obj"];
+        assert_eq!(
+            dropped(&with_image, false),
+            Some(Command::Open(paths(&["a.obj"])))
+        );
+        assert_eq!(dropped(&[], true), None);
+    }
 }

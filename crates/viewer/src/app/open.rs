@@ -1,4 +1,4 @@
-//! Opens the window, or says in one line why there is none.
+//! Opens the window, or prints in one line why it cannot.
 
 use super::frames::{self, Frames};
 use super::log::FrameLog;
@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use winit::event_loop::EventLoop;
 
-/// What the window is opened with.
+/// Options of the window.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Meshes and scenes to open together; the demo scene if there are none.
@@ -22,7 +22,7 @@ pub struct Options {
     /// Where to write the window's [frame log](super::log). Such a window starts from the default
     /// settings and remembers nothing, so that two logs can be compared.
     pub log: Option<PathBuf>,
-    /// How much reading files may take.
+    /// The limits of reading files.
     pub limits: Limits,
 }
 
@@ -42,7 +42,7 @@ pub fn run(options: Options) -> ExitCode {
         return refuse(NO_DISPLAY);
     }
     let native = native(log.is_none());
-    // winit panics on some displays that are named but not there; its words go to no one.
+    // winit panics for some displays that do not exist; its message is discarded.
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
     let opened = AtomicBool::new(false);
@@ -94,8 +94,8 @@ fn native(remembers: bool) -> eframe::NativeOptions {
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Glow,
         persist_window: remembers,
-        // Without a GPU the window is painted by the cores that cast rays: what is drawn is flat or
-        // is the picture itself, and needs no noise worked out for each of its pixels.
+        // Without a GPU the cores that cast rays also paint the window. Everything drawn is flat or the picture itself,
+        // and needs no dithering.
         dithering: false,
         ..Default::default()
     }
@@ -106,13 +106,13 @@ const NO_DISPLAY: &str =
 const NO_WINDOW: &str =
     "the window could not be opened; `raycast render` makes pictures without one";
 
-/// The one line that says why there is no window.
+/// The line that explains why there is no window.
 fn refuse(reason: &str) -> ExitCode {
     say(reason);
     ExitCode::FAILURE
 }
 
-/// The last part of an error's chain, on one line: before it stand places in other crates' sources.
+/// The last part of an error's chain, on one line: the parts before it are positions in other crates' sources.
 fn last_words(text: &str) -> String {
     let last = text.rsplit(": ").next().unwrap_or(text);
     last.trim_end_matches(')')
@@ -121,7 +121,7 @@ fn last_words(text: &str) -> String {
         .join(" ")
 }
 
-/// Whether anything says where windows go. Elsewhere than on X11 and Wayland there always is.
+/// Whether the environment names a display. Systems without X11 and Wayland always have one.
 fn has_display() -> bool {
     if !cfg!(all(unix, not(target_vendor = "apple"))) {
         return true;
@@ -131,14 +131,14 @@ fn has_display() -> bool {
         .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-/// Why eframe gave up: in an event loop of one's own it tells no one but the log.
+/// Collects eframe's error: with an event loop of our own it is only logged.
 struct LastError(Mutex<Option<String>>);
 
 static LAST_ERROR: LastError = LastError(Mutex::new(None));
 
 impl LastError {
     fn listen(&'static self) {
-        // Another log would be there first only if there were another window in the process.
+        // A logger is set already only if the process had another window.
         if log::set_logger(self).is_ok() {
             log::set_max_level(log::LevelFilter::Error);
         }

@@ -1,4 +1,4 @@
-//! What is remembered from one session to the next: how a person likes to work, not what was open.
+//! Settings that are stored between sessions: preferences, not what was open.
 
 use crate::state::preferences::{Mouse, Preferences, SCALE_RANGE, Theme};
 use crate::state::{Overlay, State, Tint, default_threads};
@@ -7,10 +7,10 @@ use raycast_core::formats::LengthUnit;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Where eframe keeps it.
+/// eframe's key for them.
 pub const KEY: &str = "raycast";
 
-/// The settings that are kept.
+/// The stored settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Remembered {
@@ -40,10 +40,10 @@ impl Default for Remembered {
 }
 
 impl Remembered {
-    /// What of a state is kept.
+    /// The part of the state that is stored.
     pub fn of(state: &State) -> Self {
         Self {
-            // As many as cores is no choice: on another machine it is another number.
+            // The default is not stored: another machine has another number of cores.
             threads: (state.threads != default_threads()).then_some(state.threads),
             panel: state.panel,
             keep_resolution: state.lock == FrameLock::KeepResolution,
@@ -85,7 +85,7 @@ impl Remembered {
         }
     }
 
-    /// Puts it back.
+    /// Restores it.
     pub fn restore(&self, state: &mut State) {
         if let Some(threads) = self.threads {
             state.threads = threads.clamp(1, 256);

@@ -29,10 +29,10 @@ pub struct CameraArgs {
     #[arg(long, value_name = "KIND", value_parser = values::named(values::STEREO))]
     pub stereo: Option<StereoArg>,
     /// From eye to eye, in scene units; the camera is in the middle
-    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number::<f64>)]
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::eye_distance)]
     pub eye_distance: Option<f64>,
     /// Where a pair's views coincide: a distance from the camera, or inf [default: the target's]
-    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number::<f64>)]
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::convergence)]
     pub convergence: Option<f64>,
     /// Where the camera stands
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]

@@ -45,6 +45,19 @@ impl TextureProjectionArgs {
         self.kind.or(by_camera)
     }
 
+    /// The option that says where a texture stands in space, if one does.
+    pub fn placing(&self) -> Option<&'static str> {
+        [
+            (self.camera.is_some(), "--texture-camera"),
+            (self.center.is_some(), "--texture-center"),
+            (self.front.is_some(), "--texture-front"),
+            (self.up.is_some(), "--texture-up"),
+            (self.size.is_some(), "--texture-size"),
+        ]
+        .into_iter()
+        .find_map(|(is_given, name)| is_given.then_some(name))
+    }
+
     /// The camera of the photograph that was asked for.
     pub fn photograph(&self) -> Option<Photograph> {
         let Placement { eye, target, up } = self.camera?;

@@ -169,7 +169,10 @@ pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
         _ => text
             .parse()
             .map(GroundArg::Some)
-            .map_err(|error: GroundError| format!("{error}, or none")),
+            .map_err(|error| match error {
+                GroundError::Word => format!("{error}, or none"),
+                GroundError::Range(error) => error.to_string(),
+            }),
     }
 }
 
@@ -198,6 +201,16 @@ pub(super) fn shift(text: &str) -> Result<[f64; 2], String> {
 /// Reads a lens's coefficients.
 pub(super) fn lens(text: &str) -> Result<BrownConrady, String> {
     text.parse().map_err(|error: LensError| error.to_string())
+}
+
+/// Reads the distance between the eyes of a stereo picture.
+pub(super) fn eye_distance(text: &str) -> Result<f64, String> {
+    ranges::eye_distance(number(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads the distance at which the views of a stereo pair coincide.
+pub(super) fn convergence(text: &str) -> Result<f64, String> {
+    ranges::convergence(number(text)?).map_err(|error| error.to_string())
 }
 
 /// Reads a grid's counts.
@@ -311,9 +324,9 @@ pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
     if text == "none" {
         return Ok(WireframeArg::None);
     }
-    line_width(text)
-        .map(WireframeArg::Width)
-        .map_err(|error| format!("{error}, or none"))
+    let width = number(text).map_err(|error| format!("{error}, or none"))?;
+    let width = ranges::line_width(width).map_err(|error| error.to_string())?;
+    Ok(WireframeArg::Width(width))
 }
 
 /// Reads how strongly hidden lines show.
@@ -411,6 +424,7 @@ pub(super) fn list<T: FromStr, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raycast_core::ranges::OutOfRange;
 
     #[test]
     fn sizes_have_limits() {
@@ -419,6 +433,41 @@ mod tests {
         for bad in ["0x5", "5x0", "-1x5", "65537x1", "5", "x", "1x2x3", "1.5x2"] {
             assert!(size(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn lenses_eyes_and_the_ground_are_refused_in_the_words_of_their_ranges() {
+        let lens = |k1: f64| OutOfRange::Lens {
+            found: [k1, 0.0, 0.0, 0.0, 0.0],
+        };
+        for (refused, expected) in [
+            (super::lens("1e308,0,0,0,0").err(), lens(1e308).to_string()),
+            (super::lens("1,2").err(), LensError::Count.to_string()),
+            (
+                eye_distance("-1").err(),
+                OutOfRange::EyeDistance(-1.0).to_string(),
+            ),
+            (
+                convergence("0").err(),
+                OutOfRange::Convergence(0.0).to_string(),
+            ),
+            (ground("1e300").err(), OutOfRange::Ground(1e300).to_string()),
+            (
+                ground("x").err(),
+                "expected lowest, or a height, or none".to_owned(),
+            ),
+            (
+                wireframe("-1").err(),
+                OutOfRange::LineWidth(-1.0).to_string(),
+            ),
+            (
+                wireframe("x").err(),
+                "expected a number, or none".to_owned(),
+            ),
+        ] {
+            assert_eq!(refused, Some(expected));
+        }
+        assert!(super::lens("-10,0,0,0,0").is_ok() && convergence("inf").is_ok());
     }
 
     #[test]

@@ -8,8 +8,9 @@ use crate::output::{Output, Unfinished};
 use crate::progress::TerminalProgress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
 use crate::{memory, setup};
-use raycast_core::camera::{Camera, CameraPath, Grid, Rect, SubCamera};
+use raycast_core::camera::{Camera, CameraPath, Grid, ImagePlane, Rect, SubCamera};
 use raycast_core::formats::{CameraFile, SceneFile};
+use raycast_core::math;
 use raycast_core::picture::{Format, Fragment, Picture, Recipe};
 use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
 use rayon::ThreadPool;
@@ -240,6 +241,21 @@ pub(super) struct Opened {
     build_time: Duration,
 }
 
+/// A warning that a lens shows nothing in the picture's corners, which is how a mistyped coefficient looks.
+fn lens_ends_within(camera: &Camera) -> Option<String> {
+    let lens = camera.projection().lens()?;
+    let ImagePlane { columns, rows, .. } = camera.plane();
+    let [right, bottom] = [columns, rows].map(|count| f64::from(count) - 0.5);
+    let mut corners = [(0.5, 0.5), (right, 0.5), (0.5, bottom), (right, bottom)].into_iter();
+    let is_whole = corners.all(|(x, y)| camera.has_place(x, y));
+    (!is_whole).then(|| {
+        format!(
+            "the lens ends {:.1} degrees off the view axis: pixels beyond that, in the corners at least, are empty",
+            math::atan(lens.end()).to_degrees()
+        )
+    })
+}
+
 /// Reads files and builds the tree. Before building, `check` is called to check the outputs against the opened files.
 pub(super) fn open(
     args: &RenderArgs,
@@ -302,6 +318,7 @@ pub(super) fn open(
         };
         warnings.push(format!("{lines} are not drawn: {seen} has none"));
     }
+    warnings.extend(lens_ends_within(&camera));
     Ok(Opened {
         view: View {
             scene: Arc::new(scene),
@@ -470,6 +487,29 @@ fn render_part(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_lens_that_ends_within_the_picture_is_told() {
+        use raycast_core::camera::{BrownConrady, Placement, Projection};
+        use raycast_core::glam::DVec3;
+        let placement = Placement::towards(DVec3::Z, DVec3::ZERO);
+        let told = |k1: f64| {
+            let lens = BrownConrady::new([k1, 0.0, 0.0, 0.0, 0.0]).expect("a lens");
+            let plane = ImagePlane::new(64, 48, 0.83 / 48.0).expect("a plane");
+            let camera = Camera::new(placement, Projection::through(lens), plane);
+            lens_ends_within(&camera)
+        };
+        // The end of -10 is where 1 − 30 r² is zero: at atan(0.1826).
+        let told_of_ten = told(-10.0).expect("a warning");
+        assert!(
+            told_of_ten.contains("ends 10.3 degrees off"),
+            "{told_of_ten}"
+        );
+        assert_eq!(told(-0.2), None);
+        let plane = ImagePlane::new(64, 48, 0.83 / 48.0).expect("a plane");
+        let pinhole = Camera::new(placement, Projection::Perspective, plane);
+        assert_eq!(lens_ends_within(&pinhole), None);
+    }
 
     #[test]
     fn fragments_need_a_grid_and_a_file_that_holds_their_place() {

@@ -1,4 +1,4 @@
-//! Part files: what becomes an output, under a name of its own until it is whole.
+//! Part files: outputs under a temporary name until they are complete.
 
 use super::place::{directory_of, is_at};
 use std::ffi::OsStr;
@@ -10,33 +10,32 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const PREFIX: &str = ".raycast-";
 const SUFFIX: &str = ".part";
 
-/// The file in a part folder that its process holds locked.
+/// The file in a part folder that its process has locked.
 pub(super) const LOCK: &str = ".raycast-lock";
 
-/// Part files of one process at one time in one folder: more are a fault.
+/// The most part files of one process in one folder at a time.
 const MOST: u32 = 1 << 16;
 
-/// Part files that this process has: what a signal removes.
+/// The part files of this process, which a signal removes.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// The part files that this process has. While this is held no other is made, put in its place, or
-/// removed.
+/// Locks the list of this process's part files. While it is locked none is created, renamed or removed.
 pub(super) fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A part file, locked; removed when dropped, unless [`PartFile::put`] gives it its name.
+/// A locked part file; removed when dropped, unless [`PartFile::put`] has renamed it.
 #[derive(Debug)]
 pub(super) struct PartFile {
     file: File,
     path: PathBuf,
-    /// Whether it stays where it is: put in its place, or kept for a later command.
+    /// Whether it stays when dropped: it was renamed, or is kept for a later command.
     is_placed: bool,
 }
 
 impl PartFile {
-    /// The part file at `path`, with what it has, or a new one; it stays there until it is put in its place,
-    /// whatever ends this command. The same of `is_private` as with [`PartFile::create_in`].
+    /// Opens the part file at `path` with its contents, or creates it; it stays until it is renamed, even if this
+    /// command is interrupted. `is_private` is as in [`PartFile::create_in`].
     ///
     /// # Errors
     /// A file that cannot be opened, or that another command is writing.
@@ -51,7 +50,7 @@ impl PartFile {
         #[cfg(not(unix))]
         let _ = is_private;
         let file = options.open(&path)?;
-        // Where a file system has no locks, nobody else is known of.
+        // A file system without locks shows no other writer.
         let is_held = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
         if is_held || !is_at(&file, &path) {
             let reason = format!("another command is writing {}", path.display());
@@ -64,8 +63,8 @@ impl PartFile {
         })
     }
 
-    /// A new, empty part file in `directory`. If `is_private` only its owner may read it; else
-    /// everybody whom the umask allows.
+    /// Creates an empty part file in `directory`. If `is_private` only its owner may read it; otherwise the umask
+    /// decides.
     ///
     /// # Errors
     /// A directory that cannot be written.
@@ -88,12 +87,12 @@ impl PartFile {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 Err(error) => return Err(error),
             };
-            // Between its making and its locking another process may take it for abandoned, hold it,
-            // and remove it: then the next name is tried.
+            // Before it is locked another process may consider it abandoned, lock it and remove it: then the next name
+            // is tried.
             match file.try_lock() {
                 Err(TryLockError::WouldBlock) => continue,
                 Ok(()) if !is_at(&file, &path) => continue,
-                // A file system without locks: there nobody takes it for abandoned.
+                // A file system without locks: no process considers it abandoned there.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
             paths.push(path.clone());
@@ -106,7 +105,7 @@ impl PartFile {
         Err(io::Error::other("there are too many part files"))
     }
 
-    /// A new, empty part folder in `directory`, and its lock.
+    /// Creates an empty part folder in `directory`, and its lock.
     ///
     /// # Errors
     /// A directory that cannot be written.
@@ -119,13 +118,12 @@ impl PartFile {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 made => made?,
             }
-            // Until it is locked another process may take it for abandoned, and remove it: then the next name is
-            // tried.
+            // Before it is locked another process may consider it abandoned and remove it: then the next name is tried.
             let lock = match File::create(path.join(LOCK)) {
                 Ok(lock) => lock,
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => {
-                    // Nothing is in it. Nobody is there to be told.
+                    // It is empty, and a failure has no consequence.
                     let _ = fs::remove_dir(&path);
                     return Err(error);
                 }
@@ -133,7 +131,7 @@ impl PartFile {
             match lock.try_lock() {
                 Err(TryLockError::WouldBlock) => continue,
                 Ok(()) if !is_at(&lock, &path.join(LOCK)) => continue,
-                // A file system without locks: there nobody takes it for abandoned.
+                // A file system without locks: no process considers it abandoned there.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
             paths.push(path.clone());
@@ -142,16 +140,15 @@ impl PartFile {
         Err(io::Error::other("there are too many part files"))
     }
 
-    /// The file, to be written.
+    /// The open file.
     pub(super) fn file(&mut self) -> &mut File {
         &mut self.file
     }
 
-    /// Gives the file its name, in place of what has it, once it is safe on the disk.
+    /// Syncs the file to the disk and renames it, replacing an existing file.
     ///
     /// # Errors
-    /// The system's refusal. The place then has what it had, unless the folder alone could not be
-    /// synced.
+    /// Those of the system. The existing file then stays, unless only syncing the folder failed.
     pub(super) fn put(
         mut self,
         destination: &Path,
@@ -176,14 +173,14 @@ impl Drop for PartFile {
     fn drop(&mut self) {
         if !self.is_placed {
             let mut paths = unfinished();
-            // Nobody is there to be told; it is then as after a power cut.
+            // A failure leaves it as a power cut would, for the next command to remove.
             let _ = fs::remove_file(&self.path);
             paths.retain(|path| *path != self.path);
         }
     }
 }
 
-/// Removes the part files in `directory` that nobody holds: those of processes that were killed.
+/// Removes the unlocked part files in `directory`: those of processes that were killed.
 pub(super) fn sweep(directory: &Path) {
     let Ok(entries) = fs::read_dir(directory) else {
         return;
@@ -195,19 +192,19 @@ pub(super) fn sweep(directory: &Path) {
     }
 }
 
-/// Removes a part file if it can be locked: its process is gone, or has yet to lock it and will then
-/// make another.
+/// Removes a part file if it can be locked: its process has ended, or has not locked it yet and will then create
+/// another.
 fn remove_if_abandoned(path: &Path) {
     let Ok(found) = fs::symlink_metadata(path) else {
         return;
     };
     if found.is_dir() {
         match File::options().read(true).write(true).open(path.join(LOCK)) {
-            // Held until the folder is gone: its maker then makes another.
+            // Locked until the folder is removed: its creator then creates another.
             Ok(lock) if lock.try_lock().is_ok() && is_at(&lock, &path.join(LOCK)) => {
                 let _ = fs::remove_dir_all(path);
             }
-            // One whose process was killed before there was a lock in it: refused where there is anything.
+            // A folder whose process was killed before the lock existed: removing fails if it is not empty.
             _ => {
                 let _ = fs::remove_dir(path);
             }
@@ -220,13 +217,13 @@ fn remove_if_abandoned(path: &Path) {
     let Ok(file) = File::options().read(true).write(true).open(path) else {
         return;
     };
-    // Who holds the lock alone renames the file: what is at the path now stays there.
+    // Only the holder of the lock renames the file: what is at the path now stays.
     if file.try_lock().is_ok() && is_at(&file, path) {
         let _ = fs::remove_file(path);
     }
 }
 
-/// Whether this is what [`PartFile::create_in`] calls its files.
+/// Whether this is a name that [`PartFile::create_in`] gives.
 pub(super) fn is_part_name(name: &OsStr) -> bool {
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     name.to_str()
@@ -235,7 +232,7 @@ pub(super) fn is_part_name(name: &OsStr) -> bool {
         .is_some_and(|(process, number)| is_number(process) && is_number(number))
 }
 
-/// Sees a file onto the disk; file systems that cannot say so are taken at their word.
+/// Syncs a file to the disk; a file system that does not support this is not an error.
 fn sync(file: &File) -> io::Result<()> {
     match file.sync_all() {
         Err(error) if !cannot_sync(&error) => Err(error),
@@ -243,7 +240,7 @@ fn sync(file: &File) -> io::Result<()> {
     }
 }
 
-/// Sees a folder's names onto the disk. A folder that may not be read cannot be synced.
+/// Syncs a folder's entries to the disk. A folder without read permission cannot be synced.
 #[cfg(unix)]
 fn sync_directory(directory: &Path) -> io::Result<()> {
     match File::open(directory) {

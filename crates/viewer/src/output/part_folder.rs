@@ -7,8 +7,8 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A folder under way, under a name of its own: gone when dropped, unless [`FolderUnderWay::put`] gives it its
-/// name. What is in it is not synced to the disk file by file.
+/// A folder being written under a temporary name: removed when dropped, unless [`FolderUnderWay::put`] renames it. Its
+/// files are not synced to the disk one by one.
 #[derive(Debug)]
 pub struct FolderUnderWay {
     path: PathBuf,

@@ -1,22 +1,22 @@
-//! Signals that end a command: no part file is left, and the exit status says which it was.
+//! Signals that end a command: part files are removed, and the exit status names the signal.
 
 use super::part_file::unfinished;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// From now on SIGINT, SIGTERM and SIGHUP remove this process's part files and end it with 128 and
-/// the signal's number: 130, 143, 129. SIGHUP stays ignored where it is (`nohup`). A file that grows
-/// beyond its limit is an error to be told, no longer a signal.
+/// From now on SIGINT, SIGTERM and SIGHUP remove this process's part files and end it with status 128 plus the signal's
+/// number: 130, 143, 129. A SIGHUP that is ignored (`nohup`) stays ignored. A file that exceeds its size limit becomes
+/// a write error instead of a signal.
 ///
-/// Where threads or handlers are refused, signals end the process as they would without this, and part
-/// files wait for the next command to be removed.
+/// If the system refuses a thread or a handler, signals end the process as they would without this, and the next
+/// command removes the part files.
 #[cfg(unix)]
 pub fn watch_signals() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     use std::sync::mpsc::channel;
 
-    // Caught, it makes the write fail; nothing else need happen.
+    // Once it is caught, the write fails; nothing else is needed.
     let _ = signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default());
     let mut watched = vec![SIGINT, SIGTERM];
     if !is_ignored(SIGHUP) {
@@ -24,7 +24,7 @@ pub fn watch_signals() {
     }
     let (ready, is_ready) = channel::<()>();
     let watch = move || {
-        // Here, not before: signals that are caught need a thread that waits for them.
+        // Registered only now: caught signals need a thread that waits for them.
         let signals = Signals::new(watched);
         drop(ready);
         if let Ok(mut signals) = signals
@@ -37,7 +37,7 @@ pub fn watch_signals() {
         .name("raycast-signals".to_owned())
         .spawn(watch);
     if spawned.is_ok() {
-        // Until the sender is dropped: nothing is ever sent.
+        // Waits until the sender is dropped: nothing is sent.
         let _ = is_ready.recv();
     }
 }
@@ -45,12 +45,12 @@ pub fn watch_signals() {
 /// From now on Ctrl-C removes this process's part files and ends it with 130.
 #[cfg(not(unix))]
 pub fn watch_signals() {
-    // Refused only where a handler stands already; part files then wait for the next command.
+    // Refused only if there is a handler already; the next command then removes the part files.
     let _ = ctrlc::set_handler(|| remove_and_exit(130));
 }
 
 fn remove_and_exit(status: i32) -> ! {
-    // Held until the process is gone: no part file is made, or put in its place, in between.
+    // Locked until the process has ended: no part file is created or renamed in between.
     let paths = unfinished();
     for path in paths.iter() {
         if std::fs::remove_file(path).is_err() {
@@ -58,14 +58,14 @@ fn remove_and_exit(status: i32) -> ! {
         }
     }
     #[cfg(unix)]
-    // At once: nothing that other threads still do may hold it up.
+    // Immediately: other threads must not delay it.
     signal_hook::low_level::exit(status);
     #[cfg(not(unix))]
     std::process::exit(status);
 }
 
-/// Removes a folder that other threads still write files into. What they make between its listing and its end is
-/// removed at the next try; they make few in the time of one, and none once their folder in it is gone.
+/// Removes a folder that other threads still write files into. Files that they create after it was listed are removed
+/// at the next try: few are created during one, and none once the folder is gone.
 fn remove_folder(path: &Path) {
     const TRIES: usize = 1000;
     for _ in 0..TRIES {
@@ -76,7 +76,7 @@ fn remove_folder(path: &Path) {
     }
 }
 
-/// Whether the process was started with this signal ignored; told on Linux alone.
+/// Whether the process was started with this signal ignored; known only on Linux.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

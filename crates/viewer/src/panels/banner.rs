@@ -1,5 +1,4 @@
-//! What lies over the picture: progress, the path line, errors, short messages, and what to do where
-//! there is none.
+//! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint without a scene.
 
 use super::widgets::select_all;
 use super::{Commands, Status};
@@ -24,7 +23,7 @@ pub(super) fn show(
             .fixed_pos(room.center())
             .interactable(false)
             .show(context, |ui| {
-                // Before the backdrop, which is dark in either theme.
+                // The backdrop is dark in either theme.
                 let quiet = theme::of(&egui::Visuals::dark()).quiet;
                 let key = match Keymap::of(context).key(action("file.open")) {
                     key if key.is_empty() => key,
@@ -35,7 +34,7 @@ pub(super) fn show(
                 ui.add(egui::Label::new(text).extend());
             });
     }
-    let width = (room.width() - 24.0).clamp(160.0, 620.0);
+    let width = width(room);
     let top = Area::new(Id::unique("banners"))
         .order(Order::Middle)
         .fixed_pos(room.center_top() + vec2(-width * 0.5, 12.0));
@@ -69,11 +68,53 @@ pub(super) fn show(
             .fixed_pos(room.center_bottom() - vec2(0.0, 14.0))
             .interactable(false)
             .show(context, |ui| {
+                // Otherwise an area offers the width that it had: the first message would decide where later ones wrap.
+                ui.set_max_width(width);
                 for toast in &state.toasts {
                     card(ui, theme::colors(ui).line).show(ui, |ui| ui.label(&toast.text));
                 }
             });
     }
+    held_files(context, room, state);
+}
+
+/// The width of what lies over the picture, in points.
+fn width(room: egui::Rect) -> f32 {
+    (room.width() - 24.0).clamp(160.0, 620.0)
+}
+
+/// While files are dragged over the window, what dropping them does.
+fn held_files(context: &Context, room: egui::Rect, state: &State) {
+    let (count, adds) = context.input(|input| {
+        let held = input.raw.hovered_files.len();
+        (held, input.modifiers.shift)
+    });
+    if count == 0 {
+        return;
+    }
+    let layer = egui::LayerId::new(Order::Foreground, Id::unique("held files"));
+    let painter = context.layer_painter(layer).with_clip_rect(room);
+    let accent = theme::of(&egui::Visuals::dark()).accent;
+    painter.rect_filled(room, 0.0, egui::Color32::from_black_alpha(150));
+    let frame = room.shrink(6.0);
+    let stroke = Stroke::new(2.0, accent);
+    painter.rect_stroke(frame, 6.0, stroke, egui::StrokeKind::Inside);
+    let files = if count == 1 { "file" } else { "files" };
+    let text = match (adds, state.document.is_some()) {
+        (true, true) => format!("Drop to add the {files} to what is open"),
+        (false, true) => format!("Drop to open the {files}, or hold Shift to add to what is open"),
+        (_, false) => format!("Drop to open the {files}"),
+    };
+    Area::new(Id::unique("held files' hint"))
+        .order(Order::Tooltip)
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(frame.center())
+        .interactable(false)
+        .show(context, |ui| {
+            ui.set_width(width(room));
+            let text = RichText::new(text).color(egui::Color32::WHITE).size(15.0);
+            ui.vertical_centered(|ui| ui.label(text));
+        });
 }
 
 fn card(ui: &Ui, line: egui::Color32) -> Frame {
@@ -146,18 +187,19 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         let mut label = None;
         ui.horizontal(|ui| {
             label = Some(ui.label(RichText::new(title).strong()).id);
-            let more = if prompt.dialog {
-                "choose in the dialog, or type a path:"
-            } else {
-                "type a path, or drop a file on the window:"
+            let more = match (prompt.dialog, prompt.kind.saves()) {
+                (true, _) => "choose in the dialog, or type a path:",
+                (false, true) => "type a path:",
+                // A dropped file is opened, whatever the path line is for.
+                (false, false) => "type a path, or drop a file on the window:",
             };
             ui.add(egui::Label::new(RichText::new(more).weak()).truncate());
         });
         let id = Id::unique("path");
         let is_new = ui.ctx().read_response(id).is_none();
         if is_new {
-            // Before the field is shown: it takes what is typed in this very frame. A name that is
-            // suggested is marked up to its ending, as file dialogs do it, and gives way to what is typed.
+            // Before the field is shown, so that it gets text that is typed in this frame. A suggested name is selected
+            // up to its ending, as in file dialogs, and typing replaces that.
             ui.memory_mut(|memory| memory.request_focus(id));
             let stem = match prompt.kind.saves() {
                 true => prompt.text.split('.').next().unwrap_or_default(),
@@ -207,7 +249,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
     });
 }
 
-/// What is to become of changes that no file has.
+/// The question about unsaved changes.
 fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     let name = state
         .document
@@ -229,7 +271,7 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
                 ("Don't save", "Go on, and lose the changes", Answer::Discard),
                 ("Cancel", "Stay with this scene (Esc)", Answer::Stay),
             ];
-            // There is no command for what no file has.
+            // A command line cannot express unsaved changes.
             let can_discard = *pending != Pending::CopyCommand;
             let answers = answers.into_iter();
             for (name, hint, answer) in answers.filter(|a| can_discard || a.2 != Answer::Discard) {
@@ -245,7 +287,7 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     });
 }
 
-/// Whether a file may be replaced.
+/// The question about replacing an existing file.
 fn question(ui: &mut Ui, replacing: &Replacing, out: &mut Commands) {
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -270,7 +312,7 @@ fn error_banner(ui: &mut Ui, index: usize, error: &str, out: &mut Commands) {
             ui.vertical(|ui| {
                 ui.set_width(room);
                 let text = RichText::new(error).color(theme::colors(ui).error);
-                // The whole of it, to read and to copy.
+                // Selectable, so that it can be copied.
                 ui.add(egui::Label::new(text).wrap().selectable(true));
             });
             if ui.button("Dismiss").on_hover_text("Close (Esc)").clicked() {

@@ -1,4 +1,4 @@
-//! Where the camera is, in numbers, and views that are kept.
+//! The camera in numbers, and the bookmarks.
 
 use super::Commands;
 use super::transform::three;

@@ -1,4 +1,4 @@
-//! How objects get their colours, and the colour scale of those that show numbers.
+//! The colour rule of objects, and the colour scale of numbers.
 
 use super::Commands;
 use super::widgets::{Number, color, row, tick};
@@ -25,7 +25,7 @@ fn rules(ui: &mut Ui, state: &State, objects: &[Object], out: &mut Commands) {
     let Some(first) = objects.first().map(|object| &object.color) else {
         return;
     };
-    // Where no file has colors an unlit picture has one a triangle: that is what is shown.
+    // Where no file has colors, an unlit picture shows one a triangle.
     let shows_random = state.settings.shading.mode == Mode::Color
         && objects.iter().all(|object| {
             let mesh = &object.mesh;
@@ -101,7 +101,7 @@ fn rules(ui: &mut Ui, state: &State, objects: &[Object], out: &mut Commands) {
     }
 }
 
-/// Rules that there are, and what each shows; a file's scalars last.
+/// The possible rules with their descriptions; a file's scalars come last.
 fn offered(objects: &[Object]) -> Vec<(ColorRule, &'static str)> {
     let value = ColorRule::Value;
     let mut rules = vec![
@@ -156,7 +156,7 @@ fn name_of(rule: &ColorRule) -> String {
 
 fn scale(ui: &mut Ui, state: &State, out: &mut Commands) {
     let shading = &state.settings.shading;
-    // Without a scale depth is grey; numbers of objects have the usual one.
+    // Without a scale depth is grey; objects' numbers use the default one.
     let is_grey = shading.mode == Mode::Depth && shading.scale.is_none();
     let scale = shading.scale.unwrap_or_default();
     let mut set = |scale: ColorScale| out.push(Command::SetColorScale(Some(scale)));

@@ -1,8 +1,8 @@
-//! Clipping planes: a list to change them by numbers, and handles in the picture.
+//! Clipping planes: a list with their numbers, and handles in the picture.
 
 use super::Commands;
 use super::highlight::{before, line};
-use super::widgets::{Number, section};
+use super::widgets::{Number, changed_from, section_that_opens};
 use crate::state::command::Command;
 use crate::state::cut::{at_distance, distance, outline, range};
 use crate::state::{PromptKind, State};
@@ -13,7 +13,7 @@ use egui::{Button, Color32, Id, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::ClippingPlane;
 
-/// Buttons that add a plane: what they say, and the registry's names.
+/// Buttons that add a plane: their text, and the ids in the registry.
 const ADD: [(&str, &str); 5] = [
     ("X", "cut.x"),
     ("Y", "cut.y"),
@@ -23,7 +23,10 @@ const ADD: [(&str, &str); 5] = [
 ];
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
-    section(ui, (Icon::Scissors, "Cut"), false, |ui| {
+    // A plane may be added from menus and the palette, too: the part opens to show its controls.
+    let count = state.settings.clip.all().len() + usize::from(state.cutting.is_some());
+    let is_new = changed_from(ui, "planes", count, 0).is_some_and(|last| last < count);
+    section_that_opens(ui, (Icon::Scissors, "Cut"), false, is_new, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             let narrow = (ui.available_width() - 66.0 - 46.0 - 8.0) / 3.0;
@@ -46,9 +49,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         });
         if let Some(points) = &state.cutting {
-            let left = 3 - points.len();
-            let points = if left == 1 { "point" } else { "points" };
-            ui.weak(format!("Click {left} more {points} of the plane"));
+            ui.weak(points_left(points));
         }
         for (index, plane) in state.settings.clip.all().iter().enumerate() {
             planes(ui, state, index, plane, out);
@@ -56,7 +57,14 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// What a plane is called: its axis, or its number.
+/// An instruction while a plane through three points is being clicked.
+pub(super) fn points_left(points: &[DVec3]) -> String {
+    let left = 3_usize.saturating_sub(points.len());
+    let points = if left == 1 { "point" } else { "points" };
+    format!("Click {left} more {points} of the plane")
+}
+
+/// A plane's name: its axis, or its number.
 fn name(index: usize, plane: &ClippingPlane) -> String {
     for (axis, name) in DVec3::AXES.into_iter().zip(["X", "Y", "Z"]) {
         if plane.normal == axis {
@@ -69,7 +77,8 @@ fn name(index: usize, plane: &ClippingPlane) -> String {
     format!("Plane {}", index + 1)
 }
 
-/// Planes across an axis are told by the axis's own coordinate, also where they keep what is below it.
+/// The factor from a plane's offset to the displayed number: planes across an axis show the axis's coordinate, also
+/// where they keep the side below.
 fn sign(plane: &ClippingPlane) -> f64 {
     match DVec3::AXES.contains(&-plane.normal) {
         true => -1.0,
@@ -154,8 +163,8 @@ fn planes(ui: &mut Ui, state: &State, index: usize, plane: &ClippingPlane, out: 
     }
 }
 
-/// Draws where planes go through the scene's box, and a handle to move each. `place` maps a point of the picture to the
-/// window, whose points are `scale` pixels of the picture.
+/// Draws the intersections of planes with the scene's box, and a handle to move each. `place` maps a point of the
+/// picture to the window, whose points are `scale` pixels of the picture wide.
 pub(super) fn handles(
     ui: &Ui,
     room: Rect,
@@ -189,7 +198,7 @@ pub(super) fn handles(
         let normal = plane.normal.normalize_or_zero();
         let center = bounds.center();
         let foot = center + normal * (distance(plane) - center.dot(normal));
-        // Towards what is cut away, where there is room for a hand.
+        // Towards the side that is cut away, where the handle is free.
         let reach = state.extent() * 0.08;
         let Some((from, tip)) = at(foot).zip(at(foot - normal * reach)) else {
             continue;
@@ -218,7 +227,7 @@ pub(super) fn handles(
             true => presses(egui::Key::ArrowUp) - presses(egui::Key::ArrowDown),
             false => 0.0,
         };
-        // Seen along its normal a plane moves by the hand's way up and down.
+        // A plane seen along its normal moves with the cursor up and down.
         let moved = if arrow.length() > 12.0 {
             dragged.dot(arrow) / arrow.length_sq()
         } else {

@@ -1,4 +1,4 @@
-//! The axes in the picture's corner: which way they point, and views along them by a click.
+//! The axes in the picture's corner; a click on one looks along it.
 
 use super::Commands;
 use crate::state::State;
@@ -8,12 +8,12 @@ use crate::ui::registry;
 use egui::{Align2, Color32, FontId, Id, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raycast_core::glam::DVec3;
 
-/// From the middle to the ends of the axes, in points.
+/// The axes' length, in points.
 const LENGTH: f32 = 30.0;
-/// Of the discs at their ends.
+/// The radius of the discs at their ends, in points.
 const RADIUS: f32 = 9.0;
 
-/// The ends of the axes: where each points, its name, and the view from there.
+/// The ends of the axes: direction, name, and the view from there.
 const ENDS: [(DVec3, &str, StandardView, &str); 6] = [
     (DVec3::X, "X", StandardView::Right, "view.right"),
     (DVec3::Y, "Y", StandardView::Top, "view.top"),
@@ -35,7 +35,7 @@ pub(super) fn show(ui: &Ui, room: Rect, state: &State, out: &mut Commands) {
         let (x, y) = (axis.dot(right) as f32, -axis.dot(up) as f32);
         (axis.dot(back), middle + vec2(x, y) * LENGTH, name, view, id)
     });
-    // From far to near: what is nearer covers what is behind it.
+    // From far to near, so that nearer discs cover those behind.
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let painter = ui.painter_at(room);
     painter.circle_filled(middle, LENGTH + RADIUS + 4.0, Color32::from_black_alpha(46));
@@ -79,7 +79,7 @@ pub(super) fn show(ui: &Ui, room: Rect, state: &State, out: &mut Commands) {
     }
 }
 
-/// Red, green and blue, as everywhere.
+/// Red, green and blue for x, y and z.
 pub(super) fn axis_color(letter: &str) -> Color32 {
     match letter {
         "X" => Color32::from_rgb(0xf0, 0x6a, 0x6a),

@@ -1,7 +1,7 @@
-//! What is wrong with meshes: counted, listed, clicked to be looked at.
+//! Faults of meshes: counts, and buttons that show each fault.
 
 use super::Commands;
-use super::widgets::{fact, section_that_opens};
+use super::widgets::{changed_from, fact, section_that_opens};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::inspection::{Checked, Fault, Shown};
@@ -9,23 +9,19 @@ use crate::ui::format;
 use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
 use crate::ui::theme;
-use egui::{Button, Id, RichText, Ui, vec2};
+use egui::{Button, RichText, Ui, vec2};
 use std::sync::Arc;
 
-/// The most objects whose faults are listed: more are not read, and take longer than a frame has.
+/// The most objects whose faults are listed: nobody reads more, and laying them out would take longer than a frame.
 const MOST: usize = 40;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
         return;
     };
-    // A check is asked for from menus and the palette too: its answer is not to stay behind a closed title.
-    let last = Id::unique("last check");
+    // A check may be started from menus and the palette, too: the part opens to show its results.
     let rounds = state.inspection.rounds;
-    let is_new = rounds > 0 && ui.data(|data| data.get_temp(last)) != Some(rounds);
-    if is_new {
-        ui.data_mut(|data| data.insert_temp(last, rounds));
-    }
+    let is_new = rounds > 0 && changed_from(ui, "last check", rounds, 0).is_some();
     section_that_opens(ui, (Icon::HeartPulse, "Health"), false, is_new, |ui| {
         let name = match state.selected.and_then(|n| document.scene.objects.get(n)) {
             Some(object) => format!("Check {}", object.name),
@@ -44,7 +40,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             let object = objects.get(checked.object)?;
             Arc::ptr_eq(&object.mesh, &checked.mesh).then_some((checked, &object.name))
         });
-        // What is sound among many needs no lines of its own.
+        // Of several objects those without faults are only counted.
         let is_one = state.inspection.checked.len() == 1;
         let (listed, sound): (Vec<_>, Vec<_>) =
             checked.partition(|(checked, _)| is_one || !checked.is_sound());
@@ -61,7 +57,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// A button of the whole width for a command of the registry.
+/// A button of full width for a command of the registry.
 fn ask(ui: &mut Ui, state: &State, id: &str, text: &str, out: &mut Commands) {
     let action = action(id);
     let width = ui.available_width();

@@ -54,7 +54,7 @@ fn table(ui: &mut Ui, title: &str, entries: impl Iterator<Item = (String, &'stat
     ui.label(RichText::new(title).strong().color(colors.accent));
     const KEYS: f32 = 184.0;
     const GAP: f32 = 16.0;
-    // What is longer than a narrow window has room for goes on below.
+    // Text that is too long for a narrow window wraps.
     let room = (ui.available_width() - KEYS - GAP).max(KEYS);
     Grid::new(title)
         .num_columns(2)

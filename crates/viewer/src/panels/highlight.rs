@@ -1,4 +1,4 @@
-//! The triangles that were clicked on, and the box of the marked object, lit up in the picture.
+//! The picked triangles, and the box of the selected object, highlighted in the picture.
 
 use crate::state::State;
 use crate::state::pick::Pinned;
@@ -16,7 +16,7 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
     box_of_marked(painter, state, &camera, accent, &place);
     let picks = state.picks.list();
     let current = state.picks.current_index();
-    // The one that is looked at comes last, over the others.
+    // The current one comes last, over the others.
     let others = (0..picks.len()).filter(|index| *index != current);
     for index in others.chain([current]) {
         let Some(pinned) = picks.get(index) else {
@@ -55,14 +55,14 @@ fn triangle(
     if outline.len() >= 3 {
         let fill = color.gamma_multiply(0.25);
         painter.add(Shape::convex_polygon(outline.clone(), fill, Stroke::NONE));
-        // A dark line below a light one is seen on any picture.
+        // A dark line below a light one is visible on any picture.
         let dark = Stroke::new(3.5, Color32::from_black_alpha(150));
         painter.add(Shape::closed_line(outline.clone(), dark));
         painter.add(Shape::closed_line(outline, Stroke::new(1.5, color)));
     }
 }
 
-/// The number of a pick in the list, beside it.
+/// A pick's number in the list, beside it.
 fn number(painter: &Painter, at: Pos2, number: usize) {
     let font = FontId::proportional(12.0);
     let words = painter.layout_no_wrap(number.to_string(), font, Color32::WHITE);
@@ -83,13 +83,13 @@ fn box_of_marked(
     let found = state.selected.zip(state.document.as_ref());
     let Some((object, world_from_object)) = found.and_then(|(number, document)| {
         let object = document.scene.objects.get(number)?;
-        let transforms = document.scene.world_from_objects().ok()?;
-        Some((object, *transforms.get(number)?))
+        let world_from_object = document.scene.world_from_object(number).ok()?;
+        Some((object, world_from_object))
     }) else {
         return;
     };
     let bounds = object.mesh.bounds();
-    // It would be in the way of what is looked at.
+    // It would cover what is being measured or inspected.
     let is_in_the_way = state.measuring.tool.is_some() || state.inspection.shown.is_some();
     if bounds.is_empty() || !object.visible || is_in_the_way {
         return;
@@ -138,13 +138,13 @@ pub(super) fn line(
     }
 }
 
-/// Further away than any line can be drawn a point would only overflow.
+/// Points beyond any line that can be drawn would overflow.
 fn bounded(point: Pos2) -> Pos2 {
     point.clamp(Pos2::new(-1e5, -1e5), Pos2::new(1e5, 1e5))
 }
 
-/// Whether the sides of a polygon are short enough in a panorama to be drawn straight, and none goes round its seam: a radian
-/// at the most.
+/// Whether the sides of a polygon are short enough in a panorama to be drawn straight, and none goes round its seam: a
+/// radian at the most.
 fn is_short(camera: &Camera, corners: &[DVec3]) -> bool {
     let radian = camera.distance() / camera.plane().step;
     let places: Option<Vec<_>> = corners.iter().map(|&c| camera.project(c)).collect();

@@ -1,4 +1,4 @@
-//! Where light comes from, and what it falls on where files say nothing: edges and color.
+//! The lights, and defaults for meshes without normals or colors.
 
 use super::Commands;
 use super::widgets::{Number, color, row, select, tick};

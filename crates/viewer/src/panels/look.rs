@@ -1,4 +1,4 @@
-//! What is changed daily of how things look: the mode, lines, colours, texture, background.
+//! The everyday settings of the look: mode, lines, colours, texture, background.
 
 use super::widgets::{Number, color, row, section, select, tick};
 use super::{Commands, colors};
@@ -10,7 +10,7 @@ use crate::ui::mode_pictures;
 use crate::ui::modes::MODES;
 use crate::ui::registry;
 use egui::{Button, Image, RichText, Ui, vec2};
-use raycast_core::ranges::WIDEST_LINE;
+use raycast_core::ranges::{FURTHEST_GROUND, WIDEST_LINE};
 use raycast_core::shade::{Background, EdgeKinds, Ground, Mode, Wireframe};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
@@ -27,27 +27,39 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
+/// Columns of the modes' buttons, and the gap between them in points.
+const COLUMNS: usize = 3;
+const GAP: f32 = 2.0;
+/// The picture of a mode, its name's letters, and the space between the two, in points: the longest name leaves a
+/// margin on both sides.
+const PICTURE: f32 = 17.0;
+const TEXT: f32 = 11.0;
+const BESIDE: f32 = 3.0;
+
+/// The width of a mode's button in a panel of this width.
+fn mode_width(room: f32) -> f32 {
+    (room - GAP * (COLUMNS - 1) as f32) / COLUMNS as f32
+}
+
 /// Three columns of buttons, each with a small picture of what it shows.
 fn modes(ui: &mut Ui, state: &State, out: &mut Commands) {
-    const COLUMNS: usize = 3;
-    const SIDE: f32 = 20.0;
-    let gap = 2.0;
-    let width = (ui.available_width() - gap * (COLUMNS - 1) as f32) / COLUMNS as f32;
+    const HEIGHT: f32 = 20.0;
+    let width = mode_width(ui.available_width());
     ui.scope(|ui| {
-        ui.spacing_mut().item_spacing = vec2(gap, gap);
+        ui.spacing_mut().item_spacing = vec2(GAP, GAP);
         ui.spacing_mut().button_padding = vec2(2.0, 0.0);
-        ui.spacing_mut().icon_spacing = 3.0;
+        ui.spacing_mut().icon_spacing = BESIDE;
         for (line, modes) in MODES.chunks(COLUMNS).enumerate() {
             ui.horizontal(|ui| {
                 for (column, &(mode, name, _)) in modes.iter().enumerate() {
                     let picture = mode_pictures::of(ui.ctx(), mode).map(|texture| {
-                        Image::from_texture(&texture).fit_to_exact_size(vec2(SIDE, SIDE))
+                        Image::from_texture(&texture).fit_to_exact_size(vec2(PICTURE, PICTURE))
                     });
-                    let name = RichText::new(name).size(11.5);
+                    let name = RichText::new(name).size(TEXT);
                     let button = Button::opt_image_and_text(picture, Some(name.into()))
                         .selected(state.settings.shading.mode == mode)
                         .truncate()
-                        .min_size(vec2(width, SIDE));
+                        .min_size(vec2(width, HEIGHT));
                     let id = format!("look.mode.{}", line * COLUMNS + column + 1);
                     let hint = registry::hint(ui.ctx(), &id);
                     if ui.add(button).on_hover_text(hint).clicked() {
@@ -127,7 +139,7 @@ fn lines(ui: &mut Ui, state: &State, out: &mut Commands) {
     }
 }
 
-/// Which edges have lines, and whether hidden ones are seen.
+/// Which edges have lines, and whether hidden ones show.
 fn edges(ui: &mut Ui, lines: Wireframe, out: &mut Commands) {
     const NONE: EdgeKinds = EdgeKinds::NONE;
     const POLYGONS: EdgeKinds = EdgeKinds {
@@ -267,7 +279,7 @@ fn ground(ui: &mut Ui, state: &State, out: &mut Commands) {
             if let Ground::At(height) = ground {
                 let number = Number {
                     value: height,
-                    range: -1e18..=1e18,
+                    range: -FURTHEST_GROUND..=FURTHEST_GROUND,
                     speed: state.bounds().size().max_element() * 0.002,
                     decimals: None,
                     suffix: "",
@@ -279,4 +291,37 @@ fn ground(ui: &mut Ui, state: &State, out: &mut Commands) {
             }
         },
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::theme;
+
+    #[test]
+    fn every_modes_name_and_picture_leave_a_margin_in_their_button() {
+        const MARGIN: f32 = 4.0;
+        let context = egui::Context::default();
+        let mut widths = Vec::new();
+        let _ = context.run_ui(egui::RawInput::default(), |ui| {
+            theme::apply(ui.ctx());
+            let font = egui::FontId::proportional(TEXT);
+            widths = MODES
+                .map(|(_, name, _)| {
+                    let galley = ui.painter().layout_no_wrap(
+                        name.to_owned(),
+                        font.clone(),
+                        egui::Color32::WHITE,
+                    );
+                    (name, galley.size().x)
+                })
+                .to_vec();
+        });
+        // Beside the panel's margins and its scroll bar.
+        let room = mode_width(super::super::side::WIDTH - 20.0);
+        for (name, width) in widths {
+            let needed = PICTURE + BESIDE + width + 2.0 * MARGIN;
+            assert!(needed <= room, "{name}: {needed} of {room}");
+        }
+    }
 }

@@ -1,5 +1,4 @@
-//! Handles over the picture by which the marked object is moved, turned and scaled: drawn, found under the cursor,
-//! dragged.
+//! Handles over the picture to move, rotate and scale the selected object: drawing, hit testing and dragging.
 
 use super::Commands;
 use super::gizmo::axis_color;
@@ -16,41 +15,41 @@ use egui::{
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
-/// From the middle to the end of an axis, in points.
+/// The length of an axis, in points.
 const LENGTH: f32 = 88.0;
-/// How near to a handle a hand takes hold of it, in points.
+/// The greatest distance from the cursor to a line that it drags, in points.
 const REACH: f32 = 8.0;
-/// Half the side of what stands in the middle and at the ends of axes, in points.
+/// Half the side of the squares in the middle and at the ends of axes, in points.
 const END: f32 = 5.0;
 /// Sides of the polygon that a ring is drawn as.
 const SIDES: u32 = 72;
-/// What is under the hand.
+/// The colour of the handle under the cursor.
 const LIT: Color32 = Color32::from_rgb(0xff, 0xe0, 0x4a);
 
 /// A handle as it lies in the window.
 struct Drawn {
     handle: Handle,
     color: Color32,
-    /// Lines that are taken hold of.
+    /// Lines that can be dragged.
     lines: Vec<Vec<Pos2>>,
-    /// An area that is taken hold of.
+    /// An area that can be dragged.
     area: Vec<Pos2>,
-    /// What is drawn faintly and not taken hold of: the far side of a ring.
+    /// Lines that are drawn faintly and cannot be dragged: the far half of a ring.
     behind: Vec<Vec<Pos2>>,
     end: End,
 }
 
-/// What stands at the end of an axis.
+/// The mark at the end of an axis.
 enum End {
     None,
-    /// An arrow's head: from, and to its tip.
+    /// An arrow's head, from its base to its tip.
     Arrow(Pos2, Pos2),
     /// A square.
     Square(Pos2),
 }
 
-/// Shows the handles of the marked object, and takes hold of them; whether the left button is theirs. A point of the
-/// window is `scale` pixels of the picture wide; `at` and `place` lead from the window to the picture and back.
+/// Shows the handles of the selected object, and handles drags; returns whether they use the left button. A point of
+/// the window is `scale` pixels of the picture wide; `at` and `place` map from the window to the picture and back.
 pub(super) fn show(
     ui: &Ui,
     response: &Response,
@@ -75,7 +74,7 @@ pub(super) fn show(
     let point = |p: DVec3| {
         let seen = before(&camera, &[p]);
         let point = place(camera.project(*seen.first()?)?);
-        // Further away it lies beyond a panorama's seam, or on another face of a cube.
+        // A longer line crosses a panorama's seam, or the edge of a cube's face.
         let is_apart = camera.projection().panorama().is_some()
             && middle.is_none_or(|middle| middle.distance(point) > LENGTH * 4.0);
         (!is_apart).then_some(point)
@@ -86,7 +85,7 @@ pub(super) fn show(
     let mut is_taken = manipulating.is_held;
     let mut lit = manipulating.drag.as_ref().map(|drag| drag.handle);
     if !is_taken {
-        // From the press on: the hand may have left the handle before it counts as a drag.
+        // The place of the press: the cursor may have left the handle before the movement counts as a drag.
         let from = pressed
             .filter(|_| response.is_pointer_button_down_on())
             .or(hand);
@@ -114,7 +113,7 @@ pub(super) fn show(
     if let Some(Handle::Axis(axis)) = dragged.map(|drag| drag.handle)
         && tool != Tool::Turn
     {
-        // Along which line it goes.
+        // The line along which it moves.
         let ends = [-40.0, 40.0].map(|share| manipulator.along(axis, share * length));
         let color = axis_color(NAMES[axis]).gamma_multiply(0.6);
         line(&painter, &camera, ends, &place, color, 1.0);
@@ -133,7 +132,7 @@ pub(super) fn show(
     is_taken
 }
 
-/// Follows the hand that holds a handle.
+/// Continues a drag.
 fn hold(ui: &Ui, response: &Response, state: &State, hand: Option<(f64, f64)>, out: &mut Commands) {
     let snaps = ui.input(|input| input.modifiers.command);
     let drag = state.manipulating.drag.as_ref();
@@ -149,7 +148,7 @@ fn hold(ui: &Ui, response: &Response, state: &State, hand: Option<(f64, f64)>, o
 
 const NAMES: [&str; 3] = ["X", "Y", "Z"];
 
-/// All handles that a hand can follow from where one looks.
+/// All handles that can be dragged from this view.
 fn handles(
     of: &Manipulator,
     tool: Tool,
@@ -194,7 +193,7 @@ fn handles(
         handles.extend(across(of, axis, length, &point));
     }
     for (axis, name) in NAMES.into_iter().enumerate() {
-        // Seen from its end an axis cannot be followed.
+        // An axis seen from its end cannot be dragged.
         let cosine = of.axes[axis].dot(of.view);
         if cosine * cosine > 1.0 - FLATTEST * FLATTEST {
             continue;
@@ -224,7 +223,7 @@ fn around(side: u32) -> Vec2 {
     vec2(cos as f32, sin as f32)
 }
 
-/// A ring about an axis: its near half, and the far one behind.
+/// A ring about an axis: its near half, and its far half.
 fn ring(
     of: &Manipulator,
     axis: usize,
@@ -240,7 +239,7 @@ fn ring(
     };
     for side in 0..SIDES {
         let ends = [at(side), at(side + 1)];
-        // Of a ring that is seen almost whole nothing lies far behind.
+        // A ring that is seen almost face-on has no far half.
         let is_near = (ends[0] + ends[1]).dot(of.view) * 0.5 <= 0.3;
         let lines = if is_near { &mut near } else { &mut far };
         let places = ends.map(|spoke| point(of.center + spoke * (of.pixel * length)));
@@ -286,7 +285,7 @@ fn across(
     })
 }
 
-/// The handle under a hand: of areas the first, else the nearest line.
+/// The handle under the cursor: the first area that contains it, else the nearest line.
 fn under(handles: &[Drawn], hand: Pos2) -> Option<Handle> {
     if let Some(area) = handles.iter().find(|drawn| contains(&drawn.area, hand)) {
         return Some(area.handle);
@@ -301,7 +300,7 @@ fn under(handles: &[Drawn], hand: Pos2) -> Option<Handle> {
     nearest.map(|(_, handle)| handle)
 }
 
-/// Whether a convex polygon has a point in it, or within three points of it.
+/// Whether a point is in a convex polygon, or within three points of it.
 fn contains(area: &[Pos2], point: Pos2) -> bool {
     let sides = || area.iter().zip(area.iter().cycle().skip(1));
     let turns = |(a, b): (&Pos2, &Pos2)| (*b - *a).rot90().dot(point - *a);
@@ -310,7 +309,7 @@ fn contains(area: &[Pos2], point: Pos2) -> bool {
     !area.is_empty() && (is_inside || sides().any(|(a, b)| distance([*a, *b], point) <= 3.0))
 }
 
-/// From a point to a line between two others.
+/// The distance from a point to a line segment.
 fn distance([a, b]: [Pos2; 2], point: Pos2) -> f32 {
     let way = b - a;
     let share = (point - a).dot(way) / way.length_sq().max(f32::MIN_POSITIVE);
@@ -354,7 +353,7 @@ fn draw(painter: &Painter, drawn: &Drawn, is_lit: bool) {
     }
 }
 
-/// How far a drag has come.
+/// The progress of a drag, in words.
 fn words(handle: Handle, amount: Amount) -> String {
     let axes = |value: DVec3, is_none: f64, written: &dyn Fn(f64) -> String| {
         let parts = (0..3).filter(|&axis| match handle {
@@ -386,7 +385,7 @@ fn plus(number: f64) -> &'static str {
     if number > 0.0 { "+" } else { "" }
 }
 
-/// Words beside the hand on a dark ground, which are read on any picture.
+/// Text beside the cursor on a dark background, readable on any picture.
 fn label(painter: &Painter, hand: Pos2, words: &str) {
     if words.is_empty() {
         return;

@@ -11,12 +11,12 @@ use raycast_core::camera::Camera;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
-/// The most faults of a kind that are drawn: more would hide the mesh, and take longer than a frame has.
+/// The most faults of a kind that are drawn: more would hide the mesh, and take longer than a frame.
 const MOST_FAULTS: usize = 1000;
 /// Sides of the polygon that a circle is drawn as.
 const SIDES: u32 = 64;
 
-/// Where lines and points are drawn, and how a place of the scene gets there.
+/// The painter, and the map from the scene to the window.
 struct Pen<'a, P> {
     painter: &'a Painter,
     camera: &'a Camera,
@@ -41,7 +41,7 @@ impl<P: Fn((f64, f64)) -> Pos2> Pen<'_, P> {
         }
     }
 
-    /// Words on a dark ground, which are read on any picture.
+    /// Text on a dark background, readable on any picture.
     fn label(&self, point: DVec3, words: String) {
         let Some(at) = self.at(point) else {
             return;
@@ -119,7 +119,7 @@ fn round<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, circle: &Circle, color: Co
     }
 }
 
-/// What is being measured: the points so far, and what a click would take next.
+/// The measurement in progress: its points so far, and the one that a click would add.
 fn under_way<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
     let measuring = &state.measuring;
     let Some(kind) = measuring.tool else {
@@ -153,20 +153,19 @@ fn under_way<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
     }
 }
 
-/// All faults of the kind that is looked at, and the one among them.
+/// All faults of the displayed kind, and the current one among them.
 fn faults<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
     let Some((shown, document)) = state.inspection.shown.zip(state.document.as_ref()) else {
         return;
     };
     let scene = &document.scene;
     let checked = state.inspection.of(scene, shown.object);
-    let world_from_objects = scene.world_from_objects().unwrap_or_default();
-    let (Some(checked), Some(world_from_object)) = (checked, world_from_objects.get(shown.object))
+    let (Some(checked), Ok(world_from_object)) = (checked, scene.world_from_object(shown.object))
     else {
         return;
     };
     let count = checked.count(shown.fault);
-    // The one that is looked at comes last, over the others.
+    // The current one comes last, over the others.
     let others = (0..count.min(MOST_FAULTS)).filter(|index| *index != shown.index);
     for index in others.chain([shown.index]) {
         let (color, width) = match index == shown.index {

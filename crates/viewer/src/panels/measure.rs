@@ -1,7 +1,7 @@
 //! Measurements: tools, what was measured, and the size of the marked object.
 
 use super::Commands;
-use super::widgets::{fact, row, section, select, tick};
+use super::widgets::{changed_from, fact, row, section_that_opens, select, tick};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::lengths::Lengths;
@@ -14,7 +14,10 @@ use raycast_core::formats::LengthUnit;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let measuring = &state.measuring;
-    section(ui, (Icon::Ruler, "Measure"), false, |ui| {
+    // A tool may be started by a key or a menu, too: the part opens to show its results.
+    let changed = changed_from(ui, "measuring tool", measuring.tool, None);
+    let is_new = changed.is_some() && measuring.tool.is_some();
+    section_that_opens(ui, (Icon::Ruler, "Measure"), false, is_new, |ui| {
         tools(ui, state, out);
         let lengths = state.lengths();
         unit(ui, state, out);
@@ -73,7 +76,7 @@ fn tools(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// In which unit lengths are told.
+/// The unit in which lengths are shown.
 fn unit(ui: &mut Ui, state: &State, out: &mut Commands) {
     let scene = state.document.as_ref().and_then(|document| document.unit);
     let (files, hint) = match scene {
@@ -94,7 +97,7 @@ fn unit(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// The registry's names of the tools.
+/// The tools' ids in the registry.
 const TOOLS: [&str; 4] = [
     "measure.distance",
     "measure.angle",
@@ -102,7 +105,7 @@ const TOOLS: [&str; 4] = [
     "measure.radius",
 ];
 
-/// What a measurement says.
+/// A finished measurement, with its buttons.
 pub(super) fn text(measurement: &Measurement, lengths: &Lengths) -> String {
     let length = |length| format!("{}{}", format::length(length), lengths.suffix(1));
     match (measurement.kind, measurement.told(lengths)) {
@@ -151,7 +154,7 @@ fn measured(
     });
 }
 
-/// The marked object's size; the whole scene's box where none is marked.
+/// The selected object's size; the scene's box if none is selected.
 fn size(ui: &mut Ui, state: &State) {
     let Some(document) = &state.document else {
         return;
@@ -170,11 +173,7 @@ fn size(ui: &mut Ui, state: &State) {
     let scene = &document.scene;
     let marked = state.selected.and_then(|number| {
         let object = scene.objects.get(number)?;
-        Some((
-            number,
-            object,
-            *scene.world_from_objects().ok()?.get(number)?,
-        ))
+        Some((number, object, scene.world_from_object(number).ok()?))
     });
     ui.add_space(2.0);
     let Some((number, object, world_from_object)) = marked else {

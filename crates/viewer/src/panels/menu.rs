@@ -1,4 +1,4 @@
-//! The menu bar: the registry, menu by menu.
+//! The menu bar, from the registry.
 
 use super::Commands;
 use super::widgets::item;
@@ -30,7 +30,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// Files that were opened before.
+/// Recent files.
 fn recent(ui: &mut Ui, state: &State, out: &mut Commands) {
     let recent = &state.preferences.recent;
     ui.add_enabled_ui(!recent.is_empty(), |ui| {

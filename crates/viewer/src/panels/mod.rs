@@ -1,4 +1,4 @@
-//! Parts of the window, one a file: each shows state and emits commands.
+//! The window's panels, one a file: each shows state and emits commands.
 
 mod banner;
 mod camera;
@@ -38,16 +38,16 @@ use crate::ui::canvas::PictureProgress;
 use crate::worker::files::Activity;
 use std::time::Duration;
 
-/// Where panels put what a person asks for.
+/// The commands that panels emit.
 pub type Commands = Vec<Command>;
 
-/// What panels show besides the state: news of the moment.
+/// What panels show besides the state.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
-    /// How far the picture is.
+    /// The picture's progress.
     pub progress: PictureProgress,
-    /// What is being read, built or written.
+    /// The file task in progress.
     pub activity: Option<Activity>,
-    /// The least and the most that a tile took.
+    /// The least and the greatest time of a tile.
     pub tile_times: Option<(Duration, Duration)>,
 }

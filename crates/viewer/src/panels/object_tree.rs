@@ -1,4 +1,4 @@
-//! Which objects move with which: the order of the list, and ways to change it.
+//! The tree of objects: the order of the list, and changing parents by dragging or by choice.
 
 use super::Commands;
 use super::widgets::row;
@@ -9,14 +9,14 @@ use crate::state::parents::moves_with;
 use egui::{Button, ComboBox, Response, Stroke, Ui};
 use raycast_core::scene::Object;
 
-/// Points by which a child stands further to the right than its parent.
+/// The indentation of a child, in points.
 const INDENT: f32 = 12.0;
-/// Further in there would be no room for names.
+/// The greatest depth that is indented: deeper, names would have no room.
 const DEEPEST: usize = 6;
 
-/// The order in which objects are listed: children below their parents.
+/// The order of the list: children below their parents.
 pub(super) struct Tree {
-    /// Numbers and depths by row; the objects' own order, for `None`, as none has a parent.
+    /// Index and depth by row; `None` where no object has a parent, and rows are indices.
     rows: Option<Vec<(usize, usize)>>,
 }
 
@@ -25,29 +25,34 @@ impl Tree {
         if objects.iter().all(|object| object.parent.is_none()) {
             return Self { rows: None };
         }
-        let mut children = vec![Vec::new(); objects.len()];
-        let mut roots = Vec::new();
-        for (number, object) in objects.iter().enumerate() {
-            match object.parent.and_then(|parent| children.get_mut(parent)) {
-                Some(siblings) => siblings.push(number),
-                None => roots.push(number),
-            }
+        // Linked lists of children in two arrays: this runs in every frame, and must not allocate for each object.
+        let none = objects.len();
+        let (mut first, mut next, mut first_root) = (vec![none; none], vec![none; none], none);
+        for (number, object) in objects.iter().enumerate().rev() {
+            let list = match object.parent {
+                Some(parent) if parent < none => &mut first[parent],
+                _ => &mut first_root,
+            };
+            next[number] = std::mem::replace(list, number);
         }
-        let mut rows = Vec::with_capacity(objects.len());
-        let mut stack: Vec<_> = roots.into_iter().rev().map(|root| (root, 0)).collect();
+        let mut rows = Vec::with_capacity(none);
+        let mut stack = vec![(first_root, 0)];
         while let Some((number, depth)) = stack.pop() {
+            if number == none {
+                continue;
+            }
             rows.push((number, depth));
-            let below = children[number].iter().rev();
-            stack.extend(below.map(|child| (*child, depth + 1)));
+            stack.push((next[number], depth));
+            stack.push((first[number], depth + 1));
         }
-        // Scenes have no cycle; if one had, what is in it would be missing.
+        // Objects in a cycle of parents would be missing; scenes have none.
         let is_whole = rows.len() == objects.len();
         Self {
             rows: is_whole.then_some(rows),
         }
     }
 
-    /// The object in a row, and how deep it stands.
+    /// The index of the object in a row, and its depth.
     pub(super) fn at(&self, row: usize) -> (usize, usize) {
         let rows = self.rows.as_ref();
         rows.and_then(|rows| rows.get(row).copied())
@@ -66,24 +71,24 @@ pub(super) fn indent(depth: usize) -> f32 {
     depth.min(DEEPEST) as f32 * INDENT
 }
 
-/// Where an object that is dragged would go.
+/// The target of a dragged object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Target {
-    /// Below the object of this row: it moves with that from then on.
+    /// The object of this row becomes its parent.
     Onto,
-    /// Between two rows: it is listed there.
+    /// It is inserted between two rows.
     Between(Insertion, Edge),
 }
 
-/// The edge of a row that stands for the gap to its neighbour.
+/// The edge of a row that is nearest to the gap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Edge {
     Top,
     Bottom,
 }
 
-/// What a row offers to an object that is held over it, `share` of its height down: its upper quarter is the gap
-/// above, its lower the gap below, where children begin if it has any.
+/// The target at a `share` of a row's height: its upper quarter is the gap above, its lower quarter the gap below,
+/// where its children begin if it has any.
 fn target(objects: &[Object], number: usize, share: f32) -> Target {
     let parent = objects[number].parent;
     match share {
@@ -109,7 +114,8 @@ fn target(objects: &[Object], number: usize, share: f32) -> Target {
     }
 }
 
-/// A row that is dragged: dropped on another it moves with that one from then on, between two it is listed there.
+/// Makes a row draggable, and a target for others: dropped on a row an object becomes its child, between two it is
+/// inserted there.
 pub(super) fn drag(
     ui: &Ui,
     response: &Response,
@@ -155,7 +161,7 @@ pub(super) fn drag(
     }
 }
 
-/// Scrolls the list, so many points high, as long as a row is held at its upper or lower edge.
+/// Scrolls the list, of this height in points, while a row is dragged to its upper or lower edge.
 pub(super) fn scroll_while_dragging(ui: &Ui, height: f32) {
     let (Some(pointer), rect) = (ui.ctx().pointer_interact_pos(), ui.clip_rect()) else {
         return;
@@ -174,7 +180,7 @@ pub(super) fn scroll_while_dragging(ui: &Ui, height: f32) {
     ui.ctx().request_repaint();
 }
 
-/// Below the list, as long as a row is dragged that moves with another: dropped here it is last, and moves with none.
+/// A target below the list while a child is dragged: dropped here it becomes the last object, without a parent.
 pub(super) fn drop_below(ui: &mut Ui, objects: &[Object], out: &mut Commands) {
     let held = egui::DragAndDrop::payload::<usize>(ui.ctx());
     let Some(held) = held.filter(|held| objects.get(**held).is_some_and(|o| o.parent.is_some()))
@@ -208,7 +214,7 @@ pub(super) fn drop_below(ui: &mut Ui, objects: &[Object], out: &mut Commands) {
     }
 }
 
-/// With what the marked object moves.
+/// The selected object's parent.
 pub(super) fn parent(ui: &mut Ui, state: &State, number: usize, out: &mut Commands) {
     let Some(document) = &state.document else {
         return;
@@ -236,7 +242,7 @@ pub(super) fn parent(ui: &mut Ui, state: &State, number: usize, out: &mut Comman
     });
 }
 
-/// All that the object can move with; what was chosen, and nothing yet for `None`.
+/// The possible parents of an object; returns the choice, if one was made.
 fn choices(
     ui: &mut Ui,
     objects: &[Object],

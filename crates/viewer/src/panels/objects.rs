@@ -1,4 +1,4 @@
-//! The objects of the scene: shown and hidden, named, coloured.
+//! The list of objects, and the controls of the selected one.
 
 use super::widgets::{choice, color, item, row, section};
 use super::{Commands, object_tree, shape, transform};
@@ -11,7 +11,7 @@ use crate::ui::theme;
 use egui::{Align, Button, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 use raycast_core::scene::{Color, ColorRule, Object};
 
-/// How high the list gets before it scrolls, in points.
+/// The list's greatest height, beyond which it scrolls, in points.
 const HEIGHT: f32 = 150.0;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         0 => format!("Objects ({count})"),
         _ => format!("Objects ({count}, {} hidden)", format::count(hidden as u64)),
     };
-    // The title changes; what is open and what is not does not.
+    // The id does not depend on the title, which changes: the part stays open or closed.
     ui.push_id("objects", |ui| {
         section(ui, (Icon::Boxes, &title), true, |ui| {
             let height = ui.spacing().interact_size.y;
@@ -34,7 +34,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 .id_salt("objects")
                 .max_height(HEIGHT)
                 .auto_shrink([false, true]);
-            // What was marked elsewhere, by a click on the picture, comes into view.
+            // An object that was selected elsewhere, by a click on the picture, is scrolled into view.
             let last = Id::unique("marked object");
             let is_new = ui.data(|data| data.get_temp(last)) != Some(state.selected);
             if is_new {
@@ -117,7 +117,7 @@ fn object_row(
                         .selected(is_marked)
                         .frame_when_inactive(is_marked)
                         .truncate()
-                        // Pushes the name to the left.
+                        // Aligns the name to the left.
                         .right_text("")
                         .sense(Sense::click_and_drag())
                         .min_size(room);
@@ -145,7 +145,7 @@ fn object_row(
     });
 }
 
-/// An eye, open or shut; whether it was clicked.
+/// An open or closed eye; returns whether it was clicked.
 fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(18.0, 16.0), Sense::click());
     response
@@ -161,7 +161,7 @@ fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
     response.on_hover_text(spoken).clicked()
 }
 
-/// A padlock; whether it was clicked.
+/// A padlock; returns whether it was clicked.
 fn padlock(ui: &mut Ui, spoken: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(14.0, 16.0), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, spoken));
@@ -173,7 +173,7 @@ fn padlock(ui: &mut Ui, spoken: &str) -> bool {
     response.on_hover_text(hint).clicked()
 }
 
-/// A field for a name. Enter, or leaving it, gives the name; Esc does not.
+/// A field for a name. Enter, or leaving it, accepts the name; Esc cancels.
 fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
     let id = Id::unique("object's name");
     let kept = ui.data(|data| data.get_temp::<String>(id));
@@ -200,7 +200,7 @@ fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
     }
 }
 
-/// What can be done with the marked object.
+/// The controls of the selected object.
 fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
     let is_locked = state.is_locked(number);
     row(
@@ -212,7 +212,7 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
                 ColorRule::File => 0,
                 ColorRule::Uniform(_) => 1,
                 ColorRule::PerTriangle { .. } => 2,
-                // Those of the look panel.
+                // A rule that only the Look part offers.
                 _ => 3,
             };
             if let ColorRule::Uniform(one) = object.color {

@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, po
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The lowest tile, in points, whose number can be read.
+/// The least height of a tile whose number is readable, in points.
 pub const LEAST_FOR_NUMBERS: f32 = 17.0;
 
 /// The overlay, kept from frame to frame while nothing changes.
@@ -18,7 +18,7 @@ pub struct TileOverlay {
 }
 
 impl TileOverlay {
-    /// The least and the most that a tile took, when last drawn by time.
+    /// The least and the greatest time of a tile, when last coloured by time.
     pub fn times(&self) -> Option<(Duration, Duration)> {
         self.times
     }
@@ -119,7 +119,7 @@ fn number(painter: &Painter, area: Rect, number: u32) {
     let center = area.center();
     let font = FontId::proportional(size.round());
     let text = number.to_string();
-    // A dark twin behind makes it readable on any picture.
+    // A dark copy behind makes it readable on any picture.
     let behind = pos2(center.x + 1.0, center.y + 1.0);
     let dark = Color32::from_black_alpha(190);
     painter.text(behind, Align2::CENTER_CENTER, &text, font.clone(), dark);
@@ -127,7 +127,7 @@ fn number(painter: &Painter, area: Rect, number: u32) {
     painter.text(center, Align2::CENTER_CENTER, text, font, light);
 }
 
-/// From quick (0, deep blue) by way of red to slow (1, bright yellow), of even lightness steps.
+/// From fast (0, deep blue) through red to slow (1, bright yellow), in even steps of lightness.
 pub fn ramp(share: f32, alpha: u8) -> Color32 {
     const STOPS: [[f32; 3]; 5] = [
         [20.0, 20.0, 70.0],

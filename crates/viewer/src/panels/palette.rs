@@ -22,6 +22,8 @@ pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
             Frame::popup(ui.style()).inner_margin(10.0).show(ui, |ui| {
                 ui.set_width(width);
                 let room = (window.height() - 150.0).clamp(80.0, 380.0);
+                // Otherwise an area offers the height that it had: the list would stay as short as that of the last search.
+                ui.set_max_height(window.height());
                 contents(ui, state, palette, room, out);
             });
         });

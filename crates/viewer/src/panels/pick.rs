@@ -1,4 +1,4 @@
-//! What was clicked on: each value is copied by a click.
+//! The picks and their values; a click on a value copies it.
 
 use super::Commands;
 use super::widgets::{row, section};
@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         1 => "Pick".to_owned(),
         _ => format!("Picks ({count})"),
     };
-    // The title changes; what is open and what is not does not.
+    // The id does not depend on the title, which changes: the part stays open or closed.
     ui.push_id("picks", |ui| {
         section(ui, (Icon::Crosshair, &title), true, |ui| {
             if count > 1 {
@@ -64,7 +64,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// All picks; a click looks at one.
+/// The list of picks; a click on one shows its values.
 fn list(ui: &mut Ui, state: &State, out: &mut Commands) {
     let picks = state.picks.list();
     let height = ui.spacing().interact_size.y;
@@ -115,7 +115,7 @@ fn all(state: &State, pinned: &Pinned) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Every pick, a line each, numbers with all their digits; empty where a pick has no such value.
+/// All picks as comma-separated values, numbers with all their digits; empty where a pick has no such value.
 fn csv(state: &State) -> String {
     let mut text =
         "number,object,triangle,x,y,z,normal x,normal y,normal z,distance,weight u,weight v,\
@@ -164,7 +164,7 @@ fn hexadecimal([r, g, b, a]: [u8; 4]) -> String {
     }
 }
 
-/// A value as it is shown, and as it is copied: all its digits.
+/// A value as it is displayed, and as it is copied, with all its digits.
 struct Value {
     name: &'static str,
     hint: &'static str,
@@ -186,7 +186,7 @@ fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
         format!("{x} {y} {z}")
     };
     let direction = |n: DVec3| {
-        // No minus before what is shown as zero.
+        // No minus sign before a number that is displayed as zero.
         let [x, y, z] = n.to_array().map(|c| (c * 1e4).round() * 1e-4 + 0.0);
         format!("{x:.4} {y:.4} {z:.4}")
     };

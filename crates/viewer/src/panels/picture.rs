@@ -1,4 +1,4 @@
-//! Size, step and field of view, and what of these follows.
+//! Size, step and field of view; two of them determine the third.
 
 use super::Commands;
 use super::widgets::{Number, choice, row, section, select};
@@ -117,7 +117,7 @@ const PIXEL_FILTERS: [(PixelFilter, &str, &str); 4] = [
     ),
 ];
 
-/// How far the frame is off the view axis. A panorama's frame has none: what a scene says stays, and is told.
+/// The frame's shift off the view axis. Panoramas have none: a scene's shift is kept, and a note says so.
 fn shift(ui: &mut Ui, state: &State, out: &mut Commands) {
     let [right, up] = state.shift;
     let hint = "How far the frame is off the view axis, to the right and up, in heights of the frame: upright lines \

@@ -1,4 +1,4 @@
-//! Threads, and what the picture took.
+//! Threads, and statistics of the picture.
 
 use super::widgets::{Number, fact, row, section};
 use super::{Commands, Status};
@@ -134,7 +134,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
     });
 }
 
-/// What a person calls a pass.
+/// A pass's name for people.
 pub(super) fn pass_name(pass: Pass) -> String {
     match (pass.stride, pass.samples) {
         (1, 1) => "every ray".to_owned(),

@@ -1,4 +1,4 @@
-//! The numbers of an object that is a cube, a ball or their kind.
+//! The parameters of an object that is a shape.
 
 use super::Commands;
 use super::widgets::{Number, row};
@@ -7,7 +7,7 @@ use crate::state::command::Command;
 use egui::Ui;
 use raycast_core::scene::Shape;
 
-/// Its segments and rings as far as they go here.
+/// The most segments or rings that the fields accept.
 const MOST_PARTS: f64 = 512.0;
 
 pub(super) fn show(
@@ -75,7 +75,7 @@ pub(super) fn show(
     }
 }
 
-/// Lengths above zero, in one row.
+/// A row of lengths above zero.
 fn lengths<const N: usize>(ui: &mut Ui, name: &str, hint: &str, of: [(&mut f64, &str); N]) {
     row(ui, name, hint, |ui, _| {
         ui.spacing_mut().item_spacing.x = 3.0;
@@ -97,7 +97,7 @@ fn lengths<const N: usize>(ui: &mut Ui, name: &str, hint: &str, of: [(&mut f64, 
     });
 }
 
-/// Segments and rings, and the least number of each.
+/// A row of segments and rings, each with its least number.
 fn parts<const N: usize>(ui: &mut Ui, of: [(&mut u32, u32, &str); N]) {
     let hint = "How many parts it has around, and across";
     row(ui, "Parts", hint, |ui, _| {

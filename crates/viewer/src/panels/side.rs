@@ -1,4 +1,4 @@
-//! The side panel: what is done daily first, what is for experts closed.
+//! The side panel: everyday parts first; parts for experts are closed at first.
 
 use super::{
     Commands, Status, camera, cut, health, look, measure, objects, pick, picture, render, surface,
@@ -7,7 +7,7 @@ use super::{
 use crate::state::State;
 use egui::{ScrollArea, Ui};
 
-/// How wide the panel is, in points.
+/// The panel's width, in points.
 pub(super) const WIDTH: f32 = 288.0;
 
 /// Shows it.

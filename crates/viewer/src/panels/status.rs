@@ -1,4 +1,4 @@
-//! The line below the picture: what is under the cursor, and how far the picture is.
+//! The status line: what is under the cursor, and the picture's progress.
 
 use super::Status;
 use super::render::pass_name;
@@ -12,8 +12,8 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let colors = theme::colors(ui);
         let (text, color, hint) = progress(state, status, colors);
-        // What the hand is to do comes first where there is little room.
-        let is_led = state.walk.is_some() || state.measuring.tool.is_some();
+        // In a narrow window instructions come before the progress.
+        let is_led = state.walk.is_some() || state.measuring.tool.is_some() || state.cutting.is_some();
         if !is_led || ui.available_width() > 760.0 {
             ui.label(RichText::new(text).color(color)).on_hover_text(hint);
         }
@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
     });
 }
 
-/// What the ray under the cursor meets, in words.
+/// The hit of the ray under the cursor, or an instruction, in words.
 fn under_cursor(state: &State) -> String {
     let Some(document) = &state.document else {
         return String::new();
@@ -38,10 +38,13 @@ fn under_cursor(state: &State) -> String {
     if let Some(tool) = state.measuring.tool {
         return format!("{}: {}. Esc ends", tool.name(), tool.hint());
     }
+    if let Some(points) = &state.cutting {
+        return format!("Cut: {}. Esc ends", super::cut::points_left(points));
+    }
     let Some((x, y)) = state.hover else {
         return document.name.clone();
     };
-    // The pixel's own ray goes through its centre: what is told is what is drawn.
+    // The ray through the pixel's centre, as in the picture.
     let pixel = (x.floor(), y.floor());
     let place = format!("{}, {}", pixel.0, pixel.1);
     match state.pick(pixel.0 + 0.5, pixel.1 + 0.5) {

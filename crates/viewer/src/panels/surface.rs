@@ -1,4 +1,4 @@
-//! How rays meet surfaces, and how textures lie on them: what is seldom changed.
+//! Settings of surfaces and textures that are seldom changed.
 
 use super::widgets::{choice, color, row, section, select, tick};
 use super::{Commands, light};
@@ -32,7 +32,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     });
 }
 
-/// What backs are shown in where no other colour was chosen: far from the hues of clay, skin and stone.
+/// The default colour of back faces: far from the hues of clay, skin and stone.
 const BACKS: Color = Color([0xd0, 0x4a, 0x9a]);
 
 fn backs(ui: &mut Ui, state: &State, out: &mut Commands) {

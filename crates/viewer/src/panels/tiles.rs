@@ -1,4 +1,4 @@
-//! How the picture is split, and what is drawn over the parts.
+//! The split into tiles, and what is drawn over them.
 
 use super::overlay::{LEAST_FOR_NUMBERS, ramp};
 use super::widgets::{Number, choice, row, section, tick};
@@ -52,7 +52,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
     });
 }
 
-/// How high a tile is on the screen, in points.
+/// A tile's height on the screen, in points.
 fn tile_height(ui: &Ui, state: &State) -> f32 {
     let (_, rows) = state.tile_counts();
     state.viewport.1 as f32 / ui.ctx().pixels_per_point() / rows.max(1) as f32

@@ -1,4 +1,4 @@
-//! Where the marked object stands: moved, turned and scaled by numbers.
+//! The selected object's transform, in numbers.
 
 use super::Commands;
 use super::widgets::{Number, choice, row};
@@ -16,7 +16,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, number: usize, object: &Object, o
     ui.add_enabled_ui(!state.is_locked(number), |ui| {
         let transform = object.transform;
         let mut put = |transform| out.push(Command::SetTransform(number, transform));
-        // A thousandth of the scene a point of dragging: as far as it is seen to go.
+        // Dragging by a point changes a position by a thousandth of the scene's size.
         let speed = state.extent() * 1e-3;
         let hint = "Where it is put, in scene units";
         let moved = three(ui, ("Move", hint), transform.translate, speed, None, "");
@@ -49,7 +49,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, number: usize, object: &Object, o
     handles(ui, state, out);
 }
 
-/// Handles in the picture that do the same.
+/// Buttons for the handles in the picture.
 fn handles(ui: &mut Ui, state: &State, out: &mut Commands) {
     row(ui, "Handles", "Handles in the picture, to drag", |ui, _| {
         ui.spacing_mut().item_spacing.x = 2.0;
@@ -141,7 +141,7 @@ fn turn(ui: &mut Ui, state: &State, number: usize, out: &mut Commands) {
     );
 }
 
-/// Three numbers; which was changed, and what it made of them.
+/// Three numbers; returns the index of the changed one, and all three with the change.
 pub(super) fn three(
     ui: &mut Ui,
     (name, hint): (&str, &str),

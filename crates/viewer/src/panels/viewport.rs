@@ -9,7 +9,7 @@ use crate::ui::theme;
 use egui::{Color32, Pos2, Rect, Sense, Ui, pos2, vec2};
 use raycast_core::shade::Background;
 
-/// What the picture's place in the window tells the state.
+/// What the state needs to know of the picture's place in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PicturePlace {
     /// Its size in device pixels.
@@ -18,7 +18,7 @@ pub struct PicturePlace {
     pub hover: Option<(f64, f64)>,
 }
 
-/// Shows the picture in all the room that there is.
+/// Shows the picture in the available room.
 pub fn show(
     ui: &mut Ui,
     state: &State,
@@ -36,7 +36,7 @@ pub fn show(
     );
     let painter = ui.painter_at(room);
     let rect = picture_rect(room, state, points);
-    // A pixel of the picture for each of the window's, and none that can be seen through.
+    // One opaque pixel of the picture for each pixel of the window.
     let as_it_is = rect == room
         && canvas.size() == pixels
         && state.settings.shading.background != Background::Transparent;
@@ -83,7 +83,7 @@ pub fn show(
         && let Some(camera) = state.camera()
         && let Some(pivot) = camera.project(state.viewpoint.orbit.pivot)
     {
-        // What one turns about.
+        // The pivot.
         let at = place(pivot);
         painter.circle_stroke(
             at,
@@ -101,7 +101,7 @@ pub fn show(
     PicturePlace { pixels, hover }
 }
 
-/// Where the picture goes: all of the room, or as much as its shape leaves, in the middle.
+/// The picture's rectangle: all of the room, or the largest of the picture's shape in the middle.
 fn picture_rect(room: Rect, state: &State, points: f32) -> Rect {
     match state.resolution {
         Resolution::Window { .. } => room,
@@ -117,7 +117,7 @@ fn picture_rect(room: Rect, state: &State, points: f32) -> Rect {
     }
 }
 
-/// Light and dark squares: what is behind a clear picture.
+/// A checkerboard, behind a transparent picture.
 fn checkers(painter: &egui::Painter, rect: Rect) {
     const SIDE: f32 = 12.0;
     painter.rect_filled(rect, 0.0, Color32::from_gray(46));

@@ -1,4 +1,4 @@
-//! Small parts that the panels share.
+//! Widgets that the panels share.
 
 use super::Commands;
 use crate::state::State;
@@ -14,13 +14,13 @@ use std::ops::RangeInclusive;
 /// The height of an icon, and the width that a title leaves for one, in points.
 const ICON_SIZE: f32 = 14.0;
 const ICON_WIDTH: f32 = 20.0;
-/// Where controls start, in points from the left of their row.
+/// The width of a row's label, in points.
 const LABEL_WIDTH: f32 = 78.0;
 
-/// A line of a menu: what an action is called and its key; what it asks for, if it was clicked.
+/// A menu entry with an action's name and key; a click emits its command.
 pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Commands) {
     let mut name = action.name.to_owned();
-    // What would be undone is worth knowing before it is.
+    // Undo and redo name the step.
     let what = match action.id {
         "edit.undo" => state.history.undo_name(),
         "edit.redo" => state.history.redo_name(),
@@ -44,7 +44,7 @@ pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Comman
     }
 }
 
-/// Marks all of a field's text, or as many characters of it, before it is shown.
+/// Selects so many characters of a text field, before it is shown.
 pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
     use egui::text::{CCursor, CCursorRange};
     let mut field = egui::text_edit::TextEditState::load(context, id).unwrap_or_default();
@@ -53,7 +53,7 @@ pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
     field.store(context, id);
 }
 
-/// A part of the panel with a title, which opens and closes.
+/// A collapsible part of the panel.
 pub(super) fn section(
     ui: &mut Ui,
     (icon, title): (Icon, &str),
@@ -63,7 +63,7 @@ pub(super) fn section(
     section_that_opens(ui, (icon, title), open, false, body);
 }
 
-/// The same, which opens by itself once there is something new to see.
+/// The same; it opens and scrolls into view in a frame with `is_new`.
 pub(super) fn section_that_opens(
     ui: &mut Ui,
     (icon, title): (Icon, &str),
@@ -99,7 +99,22 @@ pub(super) fn section_that_opens(
     icons::paint(ui.painter(), center, icon, ICON_SIZE, color);
 }
 
-/// A name, and what belongs to it; `body` gets the name's id to label its controls with.
+/// The value in the last frame that called this with the same `id`, if it was another; `at_first` in the first frame.
+pub(super) fn changed_from<T: Clone + PartialEq + Send + Sync + 'static>(
+    ui: &Ui,
+    id: &'static str,
+    now: T,
+    at_first: T,
+) -> Option<T> {
+    let id = Id::unique(id);
+    let last = ui.data(|data| data.get_temp(id)).unwrap_or(at_first);
+    (last != now).then(|| {
+        ui.data_mut(|data| data.insert_temp(id, now));
+        last
+    })
+}
+
+/// A label and its controls; `body` gets the label's id, for screen readers.
 pub(super) fn row(ui: &mut Ui, name: &str, hint: &str, body: impl FnOnce(&mut Ui, Id)) {
     ui.horizontal(|ui| {
         let text = RichText::new(name).color(theme::colors(ui).quiet);
@@ -115,7 +130,7 @@ pub(super) fn row(ui: &mut Ui, name: &str, hint: &str, body: impl FnOnce(&mut Ui
     });
 }
 
-/// A name and a value that only tells.
+/// A label and a value that cannot be changed.
 pub(super) fn fact(ui: &mut Ui, name: &str, hint: &str, value: &str) {
     row(ui, name, hint, |ui, _| {
         ui.add(egui::Label::new(value).truncate())
@@ -123,7 +138,7 @@ pub(super) fn fact(ui: &mut Ui, name: &str, hint: &str, value: &str) {
     });
 }
 
-/// Some choices in a list that opens, named by a label; the one that was clicked.
+/// A drop-down list, named by a label; returns the option that was chosen.
 pub(super) fn select<T: PartialEq + Copy>(
     ui: &mut Ui,
     id: &str,
@@ -150,7 +165,7 @@ pub(super) fn select<T: PartialEq + Copy>(
     chosen
 }
 
-/// How a number is dragged and shown.
+/// A number field that can be dragged.
 pub(super) struct Number<'a> {
     pub(super) value: f64,
     pub(super) range: RangeInclusive<f64>,
@@ -162,12 +177,12 @@ pub(super) struct Number<'a> {
 }
 
 impl Number<'_> {
-    /// Shows it; what a person made of it.
+    /// Shows it; returns the new value if it was changed.
     pub(super) fn show(self, ui: &mut Ui, label: Id) -> Option<f64> {
         self.add(ui, format::length, |response| response.labelled_by(label))
     }
 
-    /// The same in little room, with a name of its own where one label has several.
+    /// The same in less room, with a name of its own where one label has several fields.
     pub(super) fn show_as(self, ui: &mut Ui, name: &str) -> Option<f64> {
         self.add(ui, format::short, |response| {
             response.ctx.accesskit_node_builder(response.id, |node| {
@@ -200,13 +215,13 @@ impl Number<'_> {
             None => drag.custom_formatter(move |value, _| written(value)),
         };
         let response = named(ui.add(drag)).on_hover_text(self.hint);
-        // A number that is clicked and left is not to become the few digits that are shown of it.
+        // A field that is clicked and left must not round the number to its displayed digits.
         let is_as_shown = format::parse(&text) == Some(value);
         (response.changed() && value != self.value && !is_as_shown).then_some(value)
     }
 }
 
-/// Some choices side by side, of equal width; the one that was clicked.
+/// Options side by side, of equal width; returns the one that was clicked.
 pub(super) fn choice<T: PartialEq + Copy>(
     ui: &mut Ui,
     current: T,
@@ -230,7 +245,7 @@ pub(super) fn choice<T: PartialEq + Copy>(
     chosen
 }
 
-/// A box to tick; its new state if it was clicked.
+/// A checkbox; returns its new state if it was clicked.
 pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool> {
     let mut now = on;
     ui.checkbox(&mut now, name)
@@ -239,10 +254,10 @@ pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool
         .then_some(now)
 }
 
-/// A colour to pick.
+/// A colour button; returns the new colour if it was changed.
 pub(super) fn color(ui: &mut Ui, current: Color, label: Id, hint: &str) -> Option<Color> {
     let mut now = current.0;
-    // A line around it: a dark colour on the dark panel would not be seen as one.
+    // With an outline: a dark colour would not be visible on the dark panel.
     let line = egui::Stroke::new(1.0, theme::colors(ui).quiet.gamma_multiply(0.5));
     let response = ui
         .scope(|ui| {

@@ -9,7 +9,7 @@ use crate::ui::input;
 use crate::ui::theme;
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
-/// Shows everything, and puts what a person asked for, by mouse, keys or controls, into `out`.
+/// Shows everything, and appends the commands of mouse, keys and controls to `out`.
 pub fn show(
     ui: &mut Ui,
     state: &State,
@@ -53,7 +53,7 @@ pub fn show(
     place
 }
 
-/// A line around what has the keyboard, whatever it is: some controls show it faintly, others not at all.
+/// A line around the control with the keyboard focus: egui's own mark is faint on some controls and missing on others.
 fn ring(context: &egui::Context) {
     let Some(id) = context.memory(|memory| memory.focused()) else {
         return;

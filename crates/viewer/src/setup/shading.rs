@@ -82,8 +82,15 @@ fn check_scalar(scene: &Scene, (option, name): (&str, &str)) -> Result<(), Failu
 /// Gives every object's texture the requested projection and projector.
 ///
 /// # Errors
-/// An invalid projector or photograph, or a missing one.
+/// An invalid projector or photograph, or a missing one; one for a scene without textures.
 fn place_textures(scene: &mut Scene, args: &TextureProjectionArgs) -> Result<(), Failure> {
+    if let Some(option) = args.placing()
+        && !scene.objects.iter().any(Object::has_texture)
+    {
+        return Err(Failure::usage(format!(
+            "{option} places a texture, and no object has one: give --texture IMAGE"
+        )));
+    }
     if args.kind().is_some() {
         for object in &mut scene.objects {
             object.mapping.projection = None;
@@ -193,7 +200,37 @@ fn scale(args: &ShadingArgs, file: Option<ColorScale>) -> Option<ColorScale> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raycast_core::camera::Placement;
+    use raycast_core::glam::DVec3;
+    use raycast_core::scene::{Mesh, Shape, Texture};
     use raycast_core::shade::EdgeKinds;
+
+    #[test]
+    fn a_texture_that_is_placed_has_to_be_there() {
+        let mesh = Shape::ALL[0].mesh().expect("a cube");
+        let object = Object::new("cube", Arc::new(Mesh::new(mesh)));
+        let mut scene = Scene {
+            objects: vec![object],
+        };
+        let camera = TextureProjectionArgs {
+            camera: Some(Placement::towards(DVec3::Z, DVec3::ZERO)),
+            ..TextureProjectionArgs::default()
+        };
+        let center = TextureProjectionArgs {
+            center: Some(DVec3::ZERO),
+            ..TextureProjectionArgs::default()
+        };
+        for (args, option) in [(&camera, "--texture-camera"), (&center, "--texture-center")] {
+            let refused = place_textures(&mut scene, args).expect_err(option);
+            assert!(matches!(refused, Failure::Usage(_)), "{refused}");
+            let expected =
+                format!("{option} places a texture, and no object has one: give --texture IMAGE");
+            assert_eq!(refused.to_string(), expected);
+        }
+        scene.objects[0].texture = Texture::new(1, 1, vec![[9; 4]]).map(Arc::new);
+        assert!(place_textures(&mut scene, &camera).is_ok());
+        assert!(scene.objects[0].mapping.photograph.is_some());
+    }
 
     #[test]
     fn shading_options_override_one_by_one() {

@@ -7,9 +7,8 @@ use super::{Pending, PromptKind, State};
 use crate::cli::{has_own_projection, render_command};
 use std::sync::Arc;
 
-/// Whether the picture is shaded as no option says over what the files do: textures projected in one way that was chosen
-/// in the window for some objects, and in their own ways for others; a colour scale of the file's that was taken away, or
-/// its range or legend.
+/// Whether options cannot express the shading, given the files': texture projections that differ between objects and
+/// were chosen in the window; a colour scale of the file, or its range or legend, that was removed.
 fn is_beyond_options(state: &State, document: &Document) -> bool {
     let files = document.shading.unwrap_or_default();
     let shown = &state.settings.shading;
@@ -23,8 +22,8 @@ fn is_beyond_options(state: &State, document: &Document) -> bool {
     is_mixed || takes_away
 }
 
-/// Copies the command that makes the picture which would be saved, byte for byte. Where no file has the scene as
-/// it is, asks whether it is to be saved first.
+/// Copies the command that makes the same bytes as saving the picture. If the scene has unsaved changes, asks whether
+/// to save it first.
 pub(super) fn copy(state: &mut State) -> Option<Effect> {
     let document = state.document.as_ref()?;
     let has_objects = match document.file {

@@ -1,4 +1,4 @@
-//! Views that are kept, and cameras as text.
+//! Bookmarked views, and cameras as text.
 
 use super::State;
 use super::effect::Effect;
@@ -6,7 +6,7 @@ use super::navigate;
 use super::viewpoint::Viewpoint;
 use crate::cli::{camera_of, camera_options};
 
-/// Keeps the view.
+/// Bookmarks the view.
 pub(super) fn add(state: &mut State) {
     let view = navigate::destination(state);
     if state.document.is_some() && !state.bookmarks.contains(&view) {
@@ -17,14 +17,14 @@ pub(super) fn add(state: &mut State) {
     }
 }
 
-/// Goes to a view that was kept.
+/// Goes to a bookmarked view.
 pub(super) fn go(state: &mut State, number: usize) {
     if let Some(view) = state.bookmarks.get(number) {
         navigate::go(state, *view);
     }
 }
 
-/// Forgets a view.
+/// Removes a bookmark.
 pub(super) fn remove(state: &mut State, number: usize) {
     if number < state.bookmarks.len() {
         state.bookmarks.remove(number);
@@ -32,7 +32,7 @@ pub(super) fn remove(state: &mut State, number: usize) {
     }
 }
 
-/// Remembers the views for when the file is opened again.
+/// Stores the bookmarks in the preferences, for when the file is opened again.
 fn keep(state: &mut State) {
     if let Some([file]) = state.document.as_ref().map(|document| &document.paths[..]) {
         let views = state
@@ -43,7 +43,7 @@ fn keep(state: &mut State) {
     }
 }
 
-/// The views that are remembered for the scene that was opened.
+/// Restores the bookmarks of the scene that was opened.
 pub(super) fn recall(state: &mut State) {
     state.bookmarks = match state.document.as_ref().map(|document| &document.paths[..]) {
         Some([file]) => {
@@ -63,7 +63,7 @@ pub(super) fn copy(state: &mut State) -> Option<Effect> {
     Some(Effect::Copy(text))
 }
 
-/// Goes where a text says, if it says a camera.
+/// Goes to the camera that a text describes, if it describes one.
 pub(super) fn paste(state: &mut State, text: &str) {
     match camera_of(text) {
         Some(camera) => navigate::go(state, Viewpoint::of(&camera)),

@@ -1,4 +1,4 @@
-//! What a person can ask for. Panels and keys make commands; `update` carries them out.
+//! Commands: panels and keys emit them, `update` executes them.
 
 use super::cut::PlaneBy;
 use super::handle::{Handle, Tool};
@@ -19,29 +19,29 @@ use raycast_core::shade::{
 };
 use std::path::PathBuf;
 
-/// One wish. Places are in the picture's pixels, from its top left corner.
+/// A command. Places are in pixels of the picture from its top left corner.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Turn about the pivot, in degrees.
+    /// Orbit about the pivot, in degrees.
     Orbit {
         /// About the vertical axis.
         yaw: f64,
         /// Up from the horizon.
         pitch: f64,
     },
-    /// Take hold of the point seen at a place, to pan.
+    /// Start panning: the point seen at a place follows the cursor.
     Grab {
         /// The place.
         at: (f64, f64),
     },
-    /// Move what was grabbed, in pixels of the picture.
+    /// Pan by so many pixels of the picture.
     Pan {
         /// To the right.
         dx: f64,
         /// Downwards.
         dy: f64,
     },
-    /// Come nearer (a factor below one) or go away, keeping what is seen at a place.
+    /// Zoom in (a factor below one) or out; the point seen at a place stays there.
     Zoom {
         /// The place.
         at: (f64, f64),
@@ -50,319 +50,318 @@ pub enum Command {
     },
     /// Roll the camera to the right about its view axis, in degrees.
     Roll(f64),
-    /// Turn about the point seen at a place from now on, and bring it to the middle.
+    /// Make the point seen at a place the pivot, and centre it.
     SetPivot {
         /// The place.
         at: (f64, f64),
     },
-    /// Bring everything into view.
+    /// Fit all visible objects into the picture.
     Fit,
-    /// The scene's own view, or the one that it was first shown from.
+    /// Go to the scene file's view, or the one that the scene was first shown from.
     ResetView,
     /// Look from a standard direction.
     Look(StandardView),
-    /// Look from the other side.
+    /// Look from the opposite side of the pivot.
     LookBack,
-    /// The view before.
+    /// Go back in the camera's history.
     ViewBack,
-    /// The view that was come back from.
+    /// Go forward in the camera's history.
     ViewForward,
 
-    /// Begin to walk, or stop.
+    /// Start or stop walking.
     SetWalk(bool),
-    /// Walk for a while.
+    /// Walk for one frame.
     Walk {
         /// To the right, up and forwards, each from −1 to 1.
         way: DVec3,
-        /// For so long.
+        /// The frame's duration.
         seconds: f64,
     },
-    /// Walk so many times as fast.
+    /// Multiply the walking speed.
     ScaleWalk(f64),
-    /// Turn where one stands, in degrees.
+    /// Turn the view about the eye, in degrees.
     LookAround {
         /// About the vertical axis.
         yaw: f64,
         /// Up from the horizon.
         pitch: f64,
     },
-    /// Keep the view.
+    /// Bookmark the view.
     AddBookmark,
-    /// Go to a view that was kept, by its place in the list.
+    /// Go to a bookmark, by its index.
     GoToBookmark(usize),
-    /// Forget a view.
+    /// Remove a bookmark, by its index.
     RemoveBookmark(usize),
     /// Copy the camera as text.
     CopyCamera,
-    /// Go where a text says.
+    /// Go to the camera that a text describes.
     PasteCamera(String),
     /// Look from a place at another, upright.
     SetPlacement {
-        /// From.
+        /// The eye.
         eye: DVec3,
-        /// At.
+        /// The target.
         target: DVec3,
     },
 
-    /// Another ray spacing, in scene units.
+    /// Set the step, the distance between neighbouring rays, in scene units.
     SetStep(f64),
-    /// The ray spacing, times a factor.
+    /// Multiply the step by a factor.
     ScaleStep(f64),
-    /// Columns and rows.
+    /// Set columns and rows.
     SetSize(u32, u32),
-    /// A ray for each pixel of the window.
+    /// Cast one ray for each pixel of the window.
     FitWindow,
-    /// The vertical field of view in degrees.
+    /// Set the vertical field of view, in degrees.
     SetFov(f64),
-    /// The frame's height in scene units.
+    /// Set the height of an orthographic frame, in scene units.
     SetFrame(f64),
-    /// What stays when the step changes.
+    /// Set what stays when the step changes.
     SetLock(FrameLock),
-    /// How rays leave the camera.
+    /// Set the projection.
     SetProjection(Projection),
-    /// Rays a pixel; as many as there is time for, for `None`.
+    /// Set the samples a pixel; `None` refines a still picture by itself.
     SetSamples(Option<u32>),
-    /// How samples are weighed by their place.
+    /// Set the pixel filter.
     SetPixelFilter(PixelFilter),
-    /// How far the frame is off the view axis, to the right and up, in its heights.
+    /// Set the frame's shift off the view axis, to the right and up, in heights of the frame.
     SetShift([f64; 2]),
 
-    /// How the picture is split.
+    /// Set the split into tiles.
     SetGrid(Grid),
-    /// Lines between tiles.
+    /// Show tile borders.
     SetBorders(bool),
-    /// Numbers on tiles.
+    /// Show the tiles' order of arrival.
     SetOrder(bool),
-    /// Colours on tiles.
+    /// Set the statistic that colours tiles.
     SetTint(Tint),
 
-    /// What the picture shows.
+    /// Set the shading mode.
     SetMode(Mode),
-    /// Lines along edges, over any mode.
+    /// Draw edges over the mode.
     SetWireframe(bool),
-    /// Their width in pixels.
+    /// Set the lines' width, in pixels.
     SetWireframeWidth(f32),
-    /// Their colour.
+    /// Set the lines' colour.
     SetWireframeColor(Color),
-    /// Which edges have them.
+    /// Set the kinds of edges that are drawn.
     SetWireframeEdges(EdgeKinds),
-    /// How strongly hidden ones show.
+    /// Set how strongly hidden lines show, 0 to 1.
     SetWireframeHidden(f32),
-    /// From the object's colours (0) to its texture (1).
+    /// Set the share of the texture in the colour, from 0 to 1.
     SetBlend(f32),
-    /// Between texels.
+    /// Set the texture filter.
     SetFilter(Filter),
-    /// How surfaces find their place in textures.
+    /// Set the texture projection.
     SetTextureProjection(TextureProjection),
-    /// Take textures for photographs from where the camera stands.
+    /// Project textures as photographs from the present camera.
     TakePhotographs,
-    /// Which faces rays meet.
+    /// Set the culling.
     SetCull(Cull),
-    /// In x-ray, how much of what lies behind it a surface covers.
+    /// Set the opacity of surfaces in x-ray mode, 0 to 1.
     SetXRayOpacity(f32),
-    /// The colour of triangles seen from behind; `None` for the same as in front.
+    /// Set the colour of back faces; `None` for that of the front.
     SetBackFaces(Option<Color>),
-    /// Lines on a level plane.
+    /// Set the ground grid.
     SetGround(Option<Ground>),
-    /// What lies behind everything.
+    /// Set the background.
     SetBackground(Background),
-    /// Below which angle between triangles edges are smooth, in degrees.
+    /// Set the crease angle, below which edges are shaded smoothly, in degrees.
     SetCrease(f32),
-    /// Where light comes from.
+    /// Set the lights.
     SetLights(LightSet),
-    /// The colour of what has none.
+    /// Set the colour of triangles without one.
     SetPlainColor(Color),
-    /// How numbers become colours; `None` for the usual way, and depth in greys.
+    /// Set the colour scale; `None` for the default, with depth in greys.
     SetColorScale(Option<ColorScale>),
-    /// How an object's triangles get their colours; all objects' for `None`.
+    /// Set the colour rule of an object; of all, for `None`.
     SetColorRule(Option<usize>, ColorRule),
-    /// Take the texture off an object; off all, for `None`.
+    /// Remove the texture of an object; of all, for `None`.
     RemoveTexture(Option<usize>),
 
-    /// Mark an object, or none.
+    /// Select an object, or none.
     Select(Option<usize>),
-    /// Show an object, or hide it.
+    /// Show or hide an object.
     SetVisible(usize, bool),
-    /// Show this object alone; all, if it is alone already.
+    /// Isolate an object; show all if it is isolated already.
     Isolate(usize),
     /// Show all objects.
     ShowAll,
-    /// Begin to give an object another name, or stop.
+    /// Start or stop editing an object's name.
     EditName(Option<usize>),
-    /// Give an object another name.
+    /// Rename an object.
     Rename(usize, String),
-    /// Put a cube, a ball or their kind into the scene.
+    /// Add a shape to the scene.
     AddShape(Shape),
-    /// Give an object that is one other numbers.
+    /// Change the parameters of an object that is a shape.
     SetShape(usize, Shape),
-    /// Put a copy of an object beside it.
+    /// Duplicate an object, beside the original.
     Duplicate(usize),
-    /// Take an object away, and those that move with it.
+    /// Delete an object and its descendants.
     Delete(usize),
-    /// Keep an object as it is until it is unlocked.
+    /// Lock or unlock an object.
     SetLocked(usize, bool),
-    /// Put an object elsewhere.
+    /// Set an object's transform.
     SetTransform(usize, Transform),
-    /// Let an object move with another, or with none; it stays where it is.
+    /// Set or remove an object's parent; it keeps its place in the scene.
     SetParent(usize, Option<usize>),
-    /// Put an object elsewhere in the list; it stays where it is in the scene.
+    /// Move an object in the list; it keeps its place in the scene.
     Reorder(usize, Insertion),
-    /// Turn an object, as [`SetTurning`](Self::SetTurning) says, about this axis (0 to 2).
+    /// Turn an object about this axis (0 to 2) by the angle that [`SetTurning`](Self::SetTurning) set.
     Turn(usize, usize),
-    /// How objects are turned and scaled.
+    /// Set how objects are turned and scaled.
     SetTurning(Turning),
 
-    /// What the handles in the picture do to the marked object; there are none, for `None`.
+    /// Set what the selected object's handles do; `None` hides them.
     SetManipulator(Option<Tool>),
-    /// Take hold of a handle.
+    /// Start dragging a handle.
     GrabHandle {
-        /// Which.
+        /// The handle.
         handle: Handle,
         /// At this place.
         at: (f64, f64),
-        /// How long the handles are, in pixels of the picture.
+        /// The handles' length, in pixels of the picture.
         length: f64,
     },
-    /// Bring the handle that is held to a place.
+    /// Drag the handle to a place.
     DragHandle {
         /// The place.
         to: (f64, f64),
-        /// Whether it comes to round numbers alone.
+        /// Whether it snaps to round numbers.
         snaps: bool,
     },
-    /// Let go of it.
+    /// End the drag of a handle.
     ReleaseHandle,
 
-    /// Cut away what is before a new plane.
+    /// Add a clipping plane.
     AddPlane(PlaneBy),
-    /// Put another clipping plane in the place of one, by its place in the list.
+    /// Replace a clipping plane, by its index.
     SetPlane(usize, ClippingPlane),
-    /// Take a clipping plane away.
+    /// Remove a clipping plane, by its index.
     RemovePlane(usize),
-    /// Take clicks as the points of a clipping plane, or stop.
+    /// Start or stop taking clicks as the three points of a clipping plane.
     SetCutting(bool),
 
-    /// What clicks on the picture measure; nothing, if they pick.
+    /// Set what clicks on the picture measure; `None` to pick.
     SetTool(Option<Kind>),
-    /// In which unit lengths are told; in that of the files, for `None`.
+    /// Set the unit in which lengths are shown; `None` for that of the files.
     SetUnit(Option<LengthUnit>),
-    /// Whether measured points snap to vertices.
+    /// Set whether measured points snap to vertices.
     SetSnaps(bool),
-    /// Take back the last point of what is being measured.
+    /// Remove the last point of the measurement in progress.
     TakePointBack,
     /// End the path that is being measured.
     EndPath,
-    /// Forget what was measured, by its place in the list.
+    /// Remove a measurement, by its index.
     RemoveMeasurement(usize),
-    /// Forget all that was measured.
+    /// Remove all measurements.
     ClearMeasurements,
-    /// Look the marked object over, or all if none is.
+    /// Check the selected object's mesh, or all if none is selected.
     Check {
-        /// Also for triangles that pass through one another.
+        /// Whether to search for self-intersections, too.
         deep: bool,
     },
-    /// Look at one fault of a mesh, or at none.
+    /// Show one fault of a mesh, or none.
     ShowFault(Option<Shown>),
 
-    /// Keep what is seen at a place to be read; nothing, if nothing is there. While something is measured, take
-    /// the place as its next point.
+    /// Pick what is seen at a place, or nothing. While measuring, take the place as the next point.
     Pin {
         /// The place.
         at: (f64, f64),
-        /// Beside what is kept already, rather than in its place.
+        /// Whether to keep the earlier picks.
         beside: bool,
     },
-    /// Look at one of the picks.
+    /// Show one of the picks, by its index.
     ChoosePick(usize),
-    /// Let go of one of the picks.
+    /// Remove one of the picks, by its index.
     RemovePick(usize),
-    /// Let go of all of them.
+    /// Remove all picks.
     Unpin,
-    /// Put text on the clipboard.
+    /// Copy text to the clipboard.
     Copy(String),
     /// Copy the command that makes this picture.
     CopyCommand,
 
-    /// Take the last change back.
+    /// Undo the last change.
     Undo,
-    /// Make it again.
+    /// Redo the last undone change.
     Redo,
 
-    /// Render threads.
+    /// Set the number of render threads.
     SetThreads(usize),
 
-    /// Ask for a path: by the desktop's dialog, and in the window.
+    /// Ask for a path, by the desktop's dialog and by the path line in the window.
     Ask(PromptKind),
-    /// Whether the files that are asked for come beside what is open.
+    /// Set whether the requested files are added to the scene instead of replacing it.
     SetAdding(bool),
-    /// What was typed in the path line.
+    /// Set the text of the path line.
     TypePath(String),
-    /// Take the path line's text.
+    /// Accept the path line's text.
     ConfirmPath,
     /// Open files as one scene.
     Open(Vec<PathBuf>),
-    /// Put files beside what is open.
+    /// Add files to the scene.
     Add(Vec<PathBuf>),
     /// Open the folder's next file (1) or the one before (−1).
     OpenNeighbor(i32),
-    /// Read what is open once more.
+    /// Reload the files of the scene.
     Reload,
-    /// Put the hard case of this name on screen.
+    /// Open the hard case of this name.
     OpenCase(&'static str),
-    /// Stop loading.
+    /// Cancel loading.
     CancelLoad,
-    /// Put an image on an object; on every one, for `None`.
+    /// Use an image as the texture of an object; of all, for `None`.
     LoadTexture(PathBuf, Option<usize>),
-    /// Show what a picture was made of, if it tells; else put it on every object.
+    /// Restore the camera and look from a picture's recipe; without a recipe, use it as the texture of all objects.
     DropPicture(PathBuf),
-    /// Write the picture to a file; its name says which kind. Where one is there already, ask first.
+    /// Save the picture; the name's ending gives the format. An existing file is replaced only after a question.
     SavePicture(PathBuf),
-    /// Write the scene to its file; ask for one if it has none.
+    /// Save the scene to its file; ask for a path if it has none.
     SaveScene,
-    /// Write the scene to a file. Where one is there already, ask first.
+    /// Save the scene to a file. An existing file is replaced only after a question.
     SaveSceneAs(PathBuf),
-    /// Write what was to be written in place of what is there.
+    /// Replace the existing file that was asked about.
     Replace,
-    /// What to do with changes that no file has.
+    /// Answer the question about unsaved changes.
     Answer(Answer),
     /// Close the window.
     Close,
 
-    /// Light or dark.
+    /// Set the theme.
     SetTheme(Theme),
-    /// How large the interface is.
+    /// Set the scale of the interface.
     SetScale(f32),
-    /// What drags of the mouse do.
+    /// Set what drags of the mouse do.
     SetMouse(Mouse),
-    /// Whether the camera takes its time from one view to another.
+    /// Set whether the camera moves smoothly between views.
     SetSmooth(bool),
-    /// Whether pictures get more samples while nothing moves.
+    /// Set whether still pictures get more samples.
     SetRefine(bool),
-    /// Whether files that change are read again.
+    /// Set whether files are reloaded when they change.
     SetWatch(bool),
 
     /// Show or hide the side panel.
     TogglePanel,
-    /// Show or hide the keys.
+    /// Show or hide the help.
     ToggleHelp,
-    /// Open the file that changes keys, in the desktop's editor.
+    /// Open the key bindings file in the desktop's editor.
     OpenKeysFile,
-    /// Read that file again.
+    /// Reload the key bindings file.
     ReloadKeys,
-    /// Show or hide the list of all commands.
+    /// Show or hide the command palette.
     TogglePalette,
-    /// What was typed there.
+    /// Set the palette's text.
     TypePalette(String),
-    /// Another line of it is marked.
+    /// Select a line of the palette.
     MarkPalette(usize),
-    /// Close the topmost of: keys, question, path line, error.
+    /// Close the topmost of help, question, path line and error.
     Dismiss,
-    /// Close one error.
+    /// Dismiss one error, by its index.
     DismissError(usize),
 }
 
 impl Command {
-    /// Whether it moves the camera, and does nothing else.
+    /// Whether it only moves the camera.
     pub fn moves_camera(&self) -> bool {
         matches!(
             self,
@@ -376,7 +375,7 @@ impl Command {
         )
     }
 
-    /// What undo calls it, if it changes the document; and whether it comes many times over while a hand moves.
+    /// The name of its undo step if it changes the document, and whether repetitions, as during a drag, join one step.
     pub(super) fn edit(&self) -> Option<(&'static str, bool)> {
         let (name, goes_on) = match self {
             Self::SetStep(_) | Self::ScaleStep(_) => ("Change of step", true),
@@ -429,7 +428,7 @@ impl Command {
         Some((name, goes_on))
     }
 
-    /// The one object that it changes.
+    /// The index of the object or plane that it changes, if it is one: repetitions for another start a new step.
     pub(super) fn object(&self) -> Option<usize> {
         match self {
             Self::SetColorRule(object, _) => *object,

@@ -1,21 +1,21 @@
-//! Clipping planes: where they come from, and how they are moved.
+//! Creating and moving clipping planes.
 
 use super::State;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Bounds, CLIPPING_PLANES, ClippingPlane};
 
-/// Where a new clipping plane lies. Of its two sides the one with the eye is cut away.
+/// The position of a new clipping plane. The side of the eye is cut away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaneBy {
     /// Across this axis (0 to 2), through the middle of what is visible.
     Axis(usize),
-    /// Across the view, through the point that one turns about.
+    /// Across the view, through the pivot.
     View,
     /// Through three points.
     Points([DVec3; 3]),
 }
 
-/// Whether there is room for one more plane.
+/// Whether another plane can be added.
 pub fn has_room(state: &State) -> bool {
     state.document.is_some() && state.settings.clip.all().len() < CLIPPING_PLANES
 }
@@ -49,7 +49,7 @@ pub(super) fn add(state: &mut State, by: PlaneBy) {
     }
 }
 
-/// Takes one more of three points; all three, once they are there.
+/// Adds one of the three points; returns all three once they are complete.
 pub(super) fn take(state: &mut State, point: DVec3) -> Option<[DVec3; 3]> {
     let points = state.cutting.as_mut()?;
     points.push(point);
@@ -58,7 +58,7 @@ pub(super) fn take(state: &mut State, point: DVec3) -> Option<[DVec3; 3]> {
     Some(all)
 }
 
-/// Puts another plane in a plane's place; an invalid one changes nothing.
+/// Replaces a plane; an invalid one changes nothing.
 pub(super) fn set(state: &mut State, index: usize, plane: ClippingPlane) {
     replace(state, |at, old| Some(if at == index { plane } else { old }));
 }
@@ -75,12 +75,12 @@ fn replace(state: &mut State, of: impl Fn(usize, ClippingPlane) -> Option<Clippi
     }
 }
 
-/// How far along its unit normal a plane lies, in scene units.
+/// A plane's distance from the origin along its unit normal, in scene units.
 pub fn distance(plane: &ClippingPlane) -> f64 {
     plane.offset / plane.normal.length()
 }
 
-/// The same plane elsewhere along its normal.
+/// The parallel plane at another distance.
 pub fn at_distance(plane: &ClippingPlane, distance: f64) -> ClippingPlane {
     ClippingPlane {
         offset: distance * plane.normal.length(),
@@ -88,7 +88,7 @@ pub fn at_distance(plane: &ClippingPlane, distance: f64) -> ClippingPlane {
     }
 }
 
-/// From where to where along a plane's unit normal a box reaches.
+/// The range of a box along a plane's unit normal.
 pub fn range(plane: &ClippingPlane, bounds: &Bounds) -> (f64, f64) {
     let normal = plane.normal.normalize_or_zero();
     let along = bounds.corners().map(|corner| corner.dot(normal));
@@ -98,7 +98,7 @@ pub fn range(plane: &ClippingPlane, bounds: &Bounds) -> (f64, f64) {
     })
 }
 
-/// Where a plane goes through a box: a convex polygon's corners in order; none where it passes by.
+/// The intersection of a plane and a box: the corners of a convex polygon in order, or none.
 pub fn outline(plane: &ClippingPlane, bounds: &Bounds) -> Vec<DVec3> {
     let normal = plane.normal.normalize_or_zero();
     let corners = bounds.corners();

@@ -10,12 +10,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A scene, and the tree to cast at.
+/// A scene, and the tree that rays are cast into.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// Counts scenes opened in this window.
     pub number: u64,
-    /// What the title shows.
+    /// The name in the window's title.
     pub name: String,
     /// The files it came from; none for the demo scene.
     pub paths: Vec<PathBuf>,
@@ -31,11 +31,11 @@ pub struct Document {
     pub animation: Option<CameraPath>,
     /// The shading that its files tell.
     pub shading: Option<Shading>,
-    /// The objects, as a person has them.
+    /// The objects with all edits.
     pub scene: Arc<Scene>,
     /// The objects as they were read.
     pub read: Arc<Scene>,
-    /// The objects that the tree is over: the same, or for as long as a new tree is being built the last ones.
+    /// The objects that the tree contains: those before the last edit while a new tree is being built.
     pub built: Arc<Scene>,
     /// Counts changes of what `built` and the tree show.
     pub edits: u64,
@@ -78,8 +78,8 @@ impl Document {
         Arc::ptr_eq(&self.scene, &self.built)
     }
 
-    /// Takes new objects. Where the tree holds for them, or one over them is made at once, they are shown at once;
-    /// else it must be built (`false`), and what was shown stays until then.
+    /// Sets new objects. If the present tree is valid for them, or can be updated at once, they are shown immediately;
+    /// otherwise it returns `false`: a tree must be built, and the old objects stay on screen until then.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> bool {
         self.scene = scene;
         let holds = has_same_triangles(&self.scene, &self.built);
@@ -95,7 +95,7 @@ impl Document {
         true
     }
 
-    /// Takes the tree over `scene`, unless the objects have changed since it was asked for.
+    /// Takes a tree over `scene`; returns `false` if the objects have changed since the tree was requested.
     pub fn take_tree(&mut self, scene: &Scene, tree: Tree) -> bool {
         let is_wanted = has_same_triangles(&self.scene, scene);
         if is_wanted {
@@ -108,8 +108,8 @@ impl Document {
         is_wanted
     }
 
-    /// Which of the objects that were read each one is, if all of them are there and no other is: each is known by
-    /// its mesh.
+    /// For each object its index as it was read, if exactly the objects that were read are present. Objects are
+    /// identified by their meshes.
     pub fn as_read(&self) -> Option<Vec<usize>> {
         let mut read: HashMap<*const Mesh, VecDeque<usize>> = HashMap::new();
         for (number, object) in self.read.objects.iter().enumerate() {

@@ -1,90 +1,90 @@
-//! What commands leave to do outside the state: work for other threads, and for the window.
+//! Effects: what commands leave to other threads and to the window.
 
 use super::PromptKind;
 use std::path::PathBuf;
 
-/// What stays of what is shown when another scene comes.
+/// What stays when another scene is opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
-    /// Nothing: the file's own view and look.
+    /// Nothing: the file's view and look are used.
     #[default]
     Nothing,
-    /// Mode and lines, and the direction that one looks in.
+    /// Mode, lines, and the direction of view.
     Look,
-    /// Camera and look: it is the same scene once more.
+    /// Camera and look: the same scene is reloaded.
     All,
 }
 
-/// Work that is left to do.
+/// Work for other threads or the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Read files as a new scene.
     Open(Vec<PathBuf>, Keep),
-    /// Read files to put beside what is open.
+    /// Read files to add to the scene.
     Add(Vec<PathBuf>),
-    /// Read the next file of a folder (1), or the one before (−1), in place of this one.
+    /// Read the folder's next file (1), or the one before (−1), in place of this one.
     OpenNeighbor(PathBuf, i32),
-    /// Put up a hard case as a new scene.
+    /// Open a hard case as a new scene.
     OpenCase(&'static str),
-    /// Let what is being read go.
+    /// Cancel the load.
     CancelLoad,
     /// Build the tree over the document's objects.
     Build,
     /// Read an image as the texture of an object; of all, for `None`.
     LoadTexture(PathBuf, Option<usize>),
-    /// Read what a picture was made of; and where that is not the scene that is open, look for it in these
-    /// files. A picture that does not tell is a texture.
+    /// Read a picture's recipe. If its scene is not the open one, search these files for it. A picture without a recipe
+    /// is used as a texture.
     OpenPicture(PathBuf, Vec<PathBuf>),
-    /// Write the picture; in place of what is there only if it may `replace` that.
+    /// Write the picture; it replaces an existing file only with `replace`.
     SavePicture {
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// Whether another file may be there.
+        /// Whether an existing file may be replaced.
         replace: bool,
     },
     /// Write the scene, likewise.
     SaveScene {
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// Whether another file may be there.
+        /// Whether an existing file may be replaced.
         replace: bool,
     },
     /// Show the desktop's own dialog.
     Dialog(PromptKind),
-    /// Write what was measured, likewise.
+    /// Write the measurements, likewise.
     SaveMeasurements {
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// Whether another file may be there.
+        /// Whether an existing file may be replaced.
         replace: bool,
     },
     /// Write the outline that a clipping plane cuts, likewise.
     SaveOutline {
-        /// Which plane.
+        /// The plane's index.
         plane: usize,
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// Whether another file may be there.
+        /// Whether an existing file may be replaced.
         replace: bool,
     },
-    /// Work out the size of an object.
+    /// Measure an object's box, area and volume.
     Weigh(usize),
-    /// Look objects over.
+    /// Check objects' meshes.
     Check {
-        /// Which.
+        /// The objects' indices.
         objects: Vec<usize>,
-        /// Also for triangles that pass through one another.
+        /// Whether to search for self-intersections, too.
         deep: bool,
     },
-    /// Open the file that changes keys in the desktop's editor; write one that changes nothing if there is none.
+    /// Open the key bindings file in the desktop's editor; if there is none, write a template first.
     OpenKeysFile,
-    /// Read the file that changes keys.
+    /// Read the key bindings file.
     ReadKeysFile,
-    /// Give commands the keys that this text says; tell how many have others, if a person has `asked`.
+    /// Apply the key bindings in this text; with `asked`, show how many commands have other keys.
     SetKeys {
-        /// What the file says; nothing, if there is none.
+        /// The file's text; empty if there is none.
         text: String,
-        /// Whether a person wants to know that it was read.
+        /// Whether to confirm that it was read.
         asked: bool,
     },
     /// Put text on the clipboard.

@@ -1,4 +1,4 @@
-//! Paths that are asked for, what is opened and saved, and what would be lost by it.
+//! Asking for paths, opening and saving, and the question about unsaved changes.
 
 use super::as_command;
 use super::effect::{Effect, Keep};
@@ -23,7 +23,7 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
     Effect::Dialog(kind)
 }
 
-/// Takes what stands in the path line.
+/// Accepts the path line's text.
 pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     let prompt = state.prompt.clone()?;
     let mut text = prompt.text.trim();
@@ -37,28 +37,33 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
         Some((rest, home)) => home.join(rest),
         None => PathBuf::from(text),
     };
-    // Until it is known whether the files could be read.
+    // Kept until the files are read: if they cannot be, the path can be corrected.
     let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
     state.typed = opens.then(|| prompt.clone());
     take(state, prompt.kind, vec![path], false)
 }
 
-/// The path without the ending of the suggested name, where that stands behind an ending of its own: who types a
-/// whole name over the marked part of the suggestion leaves it there.
+/// The path without the suggested ending, if it has another one before that: a whole name that is typed over the
+/// selected stem of the suggestion leaves the suggested ending behind it.
 fn with_one_ending<'t>(text: &'t str, suggested: &str) -> &'t str {
     let ending = suggested.find('.').map_or("", |at| &suggested[at..]);
     let shorter = text.strip_suffix(ending).unwrap_or(text);
     let name = shorter.rsplit(['/', '\\']).next().unwrap_or(shorter);
-    let has_ending = Path::new(name).extension().is_some_and(|own| {
-        let known = [
-            "png", "ppm", "jpg", "jpeg", "exr", "csv", "svg", "dxf", "toml",
-        ];
-        known.iter().any(|known| own.eq_ignore_ascii_case(known))
-    });
+    let is_one_of = |endings: [&str; 2]| {
+        let own = Path::new(name).extension();
+        own.is_some_and(|own| {
+            endings
+                .iter()
+                .any(|ending| own.eq_ignore_ascii_case(ending))
+        })
+    };
+    let has_ending = Format::from_name(name).is_ok()
+        || DrawingFormat::from_name(name).is_some()
+        || is_one_of(["csv", "toml"]);
     if has_ending { shorter } else { text }
 }
 
-/// Does what paths were asked for. The desktop's dialog has `asked` whether a file may be replaced.
+/// Executes what the paths were requested for. `asked` is whether a dialog has already asked about replacing a file.
 pub(super) fn take(
     state: &mut State,
     kind: PromptKind,
@@ -96,7 +101,7 @@ pub(super) fn add(state: &mut State, paths: Vec<PathBuf>) -> Option<Effect> {
     Some(Effect::Add(paths))
 }
 
-/// Goes on, or asks first where changes would be lost.
+/// Continues, or asks first if unsaved changes would be lost.
 pub(super) fn proceed_unless_unsaved(state: &mut State, pending: Pending) -> Option<Effect> {
     if state.has_unsaved() && !(pending == Pending::Reload && keeps_changes(state)) {
         state.question = Some(pending);
@@ -105,14 +110,14 @@ pub(super) fn proceed_unless_unsaved(state: &mut State, pending: Pending) -> Opt
     proceed(state, pending)
 }
 
-/// Whether what was changed by hand can be carried over to the same files read again: a scene file says
-/// itself what its objects are like.
+/// Whether edits can be carried over when the files are reloaded: not for a scene file, which defines its objects
+/// itself.
 pub(super) fn keeps_changes(state: &State) -> bool {
     let document = state.document.as_ref();
     document.is_some_and(|document| document.file.is_none() && document.as_read().is_some())
 }
 
-/// Goes on, whatever is lost by it.
+/// Continues without a question.
 pub(super) fn proceed(state: &mut State, pending: Pending) -> Option<Effect> {
     let document = state.document.as_ref();
     let paths = || document.map(|document| document.paths.clone());
@@ -129,7 +134,7 @@ pub(super) fn proceed(state: &mut State, pending: Pending) -> Option<Effect> {
     }
 }
 
-/// What a person says about unsaved changes.
+/// Handles the answer to the question about unsaved changes.
 pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
     let pending = state.question.take()?;
     match answer {
@@ -137,7 +142,7 @@ pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
             state.typed = None;
             None
         }
-        // There is no command for what no file has.
+        // A command line cannot express unsaved changes.
         Answer::Discard if pending == Pending::CopyCommand => None,
         Answer::Discard => proceed(state, pending),
         Answer::Save => {
@@ -147,7 +152,7 @@ pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
     }
 }
 
-/// Saves the scene to the file that it has, or asks for one.
+/// Saves the scene to its file, or asks for a path.
 pub(super) fn save_scene(state: &mut State) -> Option<Effect> {
     let document = state.document.as_ref()?;
     if !document.can_be_saved() {
@@ -170,7 +175,7 @@ pub(super) fn save_scene(state: &mut State) -> Option<Effect> {
     }
 }
 
-/// Saves the scene to a file, which is known to be one by its ending.
+/// Saves the scene to a file; its name must have the ending of scene files.
 pub(super) fn save_scene_as(state: &mut State, path: PathBuf, replace: bool) -> Option<Effect> {
     state.prompt = None;
     state.replacing = None;
@@ -188,7 +193,7 @@ pub(super) fn save_scene_as(state: &mut State, path: PathBuf, replace: bool) -> 
     })
 }
 
-/// Saves the picture; a name that says no kind is told while it can still be changed.
+/// Saves the picture; a name with an unknown ending is refused while it can still be corrected.
 pub(super) fn save_picture(state: &mut State, path: PathBuf, replace: bool) -> Option<Effect> {
     if let Err(error) = Format::from_name(&path.to_string_lossy()) {
         state.report(error.to_string());
@@ -199,7 +204,7 @@ pub(super) fn save_picture(state: &mut State, path: PathBuf, replace: bool) -> O
     Some(Effect::SavePicture { path, replace })
 }
 
-/// Writes what was to be written in place of what is there.
+/// Replaces the existing file that was asked about.
 pub(super) fn replace(state: &mut State) -> Option<Effect> {
     let Replacing { path, by } = state.replacing.take()?;
     match by {
@@ -210,7 +215,7 @@ pub(super) fn replace(state: &mut State) -> Option<Effect> {
     }
 }
 
-/// Saves what was measured; a name without an ending gets one.
+/// Saves the measurements; a name without an ending gets one.
 fn save_measurements(state: &mut State, mut path: PathBuf, replace: bool) -> Effect {
     state.prompt = None;
     state.replacing = None;
@@ -220,8 +225,8 @@ fn save_measurements(state: &mut State, mut path: PathBuf, replace: bool) -> Eff
     Effect::SaveMeasurements { path, replace }
 }
 
-/// Saves the outline that a clipping plane cuts; a name without an ending gets one, and one that is not known is told
-/// while it can still be changed.
+/// Saves the outline that a clipping plane cuts; a name without an ending gets one, and an unknown one is refused while
+/// it can still be corrected.
 fn save_outline(
     state: &mut State,
     plane: usize,
@@ -245,7 +250,7 @@ fn save_outline(
     })
 }
 
-/// Notes that files were opened by a person.
+/// Puts files among the recent ones.
 pub(super) fn remember(state: &mut State, files: &[PathBuf]) {
     for file in files.iter().rev() {
         state.preferences.remember(Path::new(file));

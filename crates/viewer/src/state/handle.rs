@@ -1,4 +1,4 @@
-//! Handles by which an object is moved, turned and scaled, and how far one has come.
+//! Handles to move, rotate and scale an object, and the progress of a drag.
 
 use raycast_core::glam::DVec3;
 
@@ -14,7 +14,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// What undo calls a drag.
+    /// The name of the undo step of a drag.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Move => "Move",
@@ -24,24 +24,24 @@ impl Tool {
     }
 }
 
-/// What a hand takes hold of.
+/// A handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handle {
-    /// Along, or about, this axis (0 to 2).
+    /// For one axis (0 to 2).
     Axis(usize),
-    /// Along the two other axes.
+    /// For the two other axes.
     Across(usize),
-    /// Across the view, about the view's axis, or along all axes alike.
+    /// For the plane of the view, the view's axis, or all axes uniformly.
     All,
 }
 
-/// How far a drag has come.
+/// The progress of a drag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
-    /// Along the axes, in scene units.
+    /// A translation along the axes, in scene units.
     Moved(DVec3),
-    /// In degrees.
+    /// A rotation in degrees.
     Turned(f64),
-    /// Factors along the axes.
+    /// Scale factors along the axes.
     Scaled(DVec3),
 }

@@ -1,7 +1,7 @@
-//! What can be undone: the document as it was before each change.
+//! Undo: the document before each change.
 //!
-//! Nothing large is copied: a step holds the list of objects, whose meshes and textures are shared with the
-//! document as long as that has them. Trees are not held; those of meshes that still are here are taken over.
+//! Nothing large is copied: a step holds the list of objects, whose meshes and textures are shared with the document.
+//! Trees are not kept; those of meshes that are still present are reused.
 
 use super::Resolution;
 use raycast_core::render::Settings;
@@ -11,15 +11,14 @@ use std::mem::size_of;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The most bytes that steps may hold besides what the document has itself. The newest step stays, whatever
-/// it takes.
+/// The most bytes that steps may hold beyond what they share with the document. The newest step always stays.
 const MOST_BYTES: usize = 256 << 20;
 /// The most steps.
 const MOST_STEPS: usize = 500;
-/// Changes of one number or one colour that follow this closely are one step.
+/// Changes of the same number or colour within this time join one step.
 const PAUSE: Duration = Duration::from_millis(800);
 
-/// All that undo brings back.
+/// Everything that undo restores.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     /// The objects.
@@ -28,7 +27,7 @@ pub struct Snapshot {
     pub locked: Arc<Vec<bool>>,
     /// Shading and culling.
     pub settings: Settings,
-    /// Rays a pixel, where a person has set them.
+    /// Samples a pixel, if set.
     pub samples: Option<u32>,
     /// Columns and rows.
     pub resolution: Resolution,
@@ -37,7 +36,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Whether nothing is different; scenes are told apart by their address.
+    /// Whether both are equal; scenes are compared by address.
     pub fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.locked == other.locked
@@ -48,13 +47,13 @@ impl Snapshot {
     }
 }
 
-/// What tells changes that go on from new ones: the kind of command and the object.
+/// Changes of the same kind of command and the same object may join one step.
 pub type Continued = (
     std::mem::Discriminant<super::command::Command>,
     Option<usize>,
 );
 
-/// Meshes as they were, and as they were read again.
+/// Pairs of a mesh and the same mesh after a reload.
 pub type Renewed = Vec<(Arc<Mesh>, Arc<Mesh>)>;
 
 #[derive(Clone, Debug)]
@@ -62,17 +61,17 @@ struct Step {
     name: &'static str,
     /// The document on the other side of the step.
     other: Snapshot,
-    /// The revision on the other side.
+    /// The revision of that document.
     revision: u64,
     bytes: usize,
 }
 
-/// Steps to undo and to redo.
+/// The steps to undo and to redo.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     undo: Vec<Step>,
     redo: Vec<Step>,
-    /// Revisions count up and are never used twice; undo brings an old one back.
+    /// The document's revision. Each change gets a new one, one above `newest`; undo restores an old one.
     revision: u64,
     newest: u64,
     saved: u64,
@@ -80,7 +79,7 @@ pub struct History {
 }
 
 impl History {
-    /// Notes a change from `before` to `after`. One that goes on (`kind` is given) joins the last.
+    /// Records a change from `before` to `after`. One with a `kind` may join the last step.
     pub fn record(
         &mut self,
         name: &'static str,
@@ -121,7 +120,7 @@ impl History {
         self.undo.drain(..self.undo.len().saturating_sub(kept));
     }
 
-    /// Takes a step back from `here`: its name, and the document before it.
+    /// Undoes a step from `here`: returns its name, and the document before it.
     pub fn undo(&mut self, here: Snapshot) -> Option<(&'static str, Snapshot)> {
         let step = self.undo.pop()?;
         Some(Self::cross(
@@ -133,7 +132,7 @@ impl History {
         ))
     }
 
-    /// Takes a step forward again.
+    /// Redoes a step, likewise.
     pub fn redo(&mut self, here: Snapshot) -> Option<(&'static str, Snapshot)> {
         let step = self.redo.pop()?;
         Some(Self::cross(
@@ -163,7 +162,7 @@ impl History {
         (step.name, step.other)
     }
 
-    /// Puts meshes that were read again in place of what they were, in every step.
+    /// Replaces meshes that were reloaded, in every step.
     pub fn renew(&mut self, meshes: &[(Arc<Mesh>, Arc<Mesh>)]) {
         self.last = None;
         for step in self.undo.iter_mut().chain(&mut self.redo) {
@@ -180,35 +179,35 @@ impl History {
         }
     }
 
-    /// What undo would take back.
+    /// The name of the step that undo would undo.
     pub fn undo_name(&self) -> Option<&'static str> {
         self.undo.last().map(|step| step.name)
     }
 
-    /// What redo would do again.
+    /// The name of the step that redo would redo.
     pub fn redo_name(&self) -> Option<&'static str> {
         self.redo.last().map(|step| step.name)
     }
 
-    /// The document as it stands, by a number.
+    /// The document's revision.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Notes that a revision was written to a file.
+    /// Records that a revision was saved.
     pub fn saved(&mut self, revision: u64) {
         self.saved = revision;
         self.last = None;
     }
 
-    /// Whether there are changes that no file has.
+    /// Whether there are unsaved changes.
     pub fn is_changed(&self) -> bool {
         self.revision != self.saved
     }
 }
 
-/// The bytes that `kept` holds and `scene` does not: its list, and meshes and textures that are nowhere in the
-/// other.
+/// The bytes that `kept` holds beyond what it shares with `scene`: its list, and meshes and textures that `scene` does
+/// not have.
 fn held(kept: &Arc<Scene>, scene: &Arc<Scene>) -> usize {
     if Arc::ptr_eq(kept, scene) {
         return 0;

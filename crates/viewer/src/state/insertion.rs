@@ -1,19 +1,18 @@
-//! A place in the list of objects.
+//! A position in the list of objects.
 
 use raycast_core::scene::Object;
 
-/// Where an object is put in the list.
+/// The position to which an object is moved in the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Insertion {
-    /// The object that it is put before, by its number while the object still is where it was; as many as
-    /// there are for the end.
+    /// The index of the object that it is inserted before, counted before the move; the number of objects for the end.
     pub before: usize,
-    /// What it moves with from then on.
+    /// Its new parent.
     pub parent: Option<usize>,
 }
 
 impl Insertion {
-    /// One row up or down among the objects that move with the same one. `None` where there is none.
+    /// One row up or down among the objects with the same parent. `None` at the end.
     pub fn step(objects: &[Object], which: usize, down: bool) -> Option<Self> {
         let parent = objects.get(which)?.parent;
         let is_sibling = |number: &usize| objects[*number].parent == parent;

@@ -1,4 +1,4 @@
-//! What was found out about meshes: their size, and what is wrong with them.
+//! Results of measuring and checking meshes: their size and their faults.
 
 use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::health::{Health, Intersections, Size};
@@ -6,44 +6,44 @@ use raycast_core::scene::{Mesh, Scene};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The size of an object, as it stood.
+/// The size of an object under one placement.
 #[derive(Clone, Debug)]
 pub struct Sized {
-    /// Its triangles.
+    /// The mesh that was measured.
     pub mesh: Arc<Mesh>,
-    /// Where they stood.
+    /// Its placement when it was measured.
     pub world_from_object: DAffine3,
-    /// How much there is.
+    /// The box, the area and the volume.
     pub size: Size,
 }
 
-/// What is wrong with an object's mesh.
+/// The faults of an object's mesh.
 #[derive(Clone, Debug)]
 pub struct Checked {
-    /// Which object had it.
+    /// The object's index.
     pub object: usize,
-    /// The mesh.
+    /// The mesh that was checked.
     pub mesh: Arc<Mesh>,
-    /// What is wrong.
+    /// Its topology and its faults.
     pub health: Arc<Health>,
-    /// Where it passes through itself, if that was looked for.
+    /// Its self-intersections, if they were searched for.
     pub intersections: Option<Arc<Intersections>>,
 }
 
 /// A kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Edges that one face has.
+    /// Edges that belong to one face only.
     OpenEdges,
-    /// Edges that more than two have.
+    /// Edges that more than two faces share.
     NonManifoldEdges,
-    /// Triangles that turn the other way than their neighbours.
+    /// Triangles oriented against their neighbours.
     Flipped,
     /// Triangles that no ray can meet.
     Degenerate,
-    /// Triangles that are there already.
+    /// Triangles with the same corners as an earlier one.
     Duplicates,
-    /// Vertices that no triangle has.
+    /// Vertices that no triangle uses.
     UnusedVertices,
     /// Pairs of triangles that pass through one another.
     SelfIntersections,
@@ -61,7 +61,7 @@ impl Fault {
         Self::SelfIntersections,
     ];
 
-    /// What it is called, and what it is.
+    /// Its name, and its description for tooltips.
     pub fn name(self) -> (&'static str, &'static str) {
         match self {
             Self::OpenEdges => (
@@ -94,7 +94,7 @@ impl Fault {
 }
 
 impl Checked {
-    /// How many faults of a kind there are; of those that are not looked for unasked, none is known of.
+    /// The number of faults of a kind; 0 for a kind that was not searched for.
     pub fn count(&self, fault: Fault) -> usize {
         let health = &self.health;
         match fault {
@@ -108,13 +108,13 @@ impl Checked {
         }
     }
 
-    /// Whether there are more of a kind than were counted.
+    /// Whether the search stopped before all faults of a kind were counted.
     pub fn has_more(&self, fault: Fault) -> bool {
         let found = self.intersections.as_ref();
         fault == Fault::SelfIntersections && found.is_some_and(|found| found.has_more)
     }
 
-    /// Whether no fault is known of.
+    /// Whether no fault was found.
     pub fn is_sound(&self) -> bool {
         self.health.is_sound() && self.pairs().is_empty()
     }
@@ -125,7 +125,7 @@ impl Checked {
             .map_or(&[], |found| &found.pairs)
     }
 
-    /// The number of one fault in its file, by which people find it.
+    /// The number by which a person finds one fault in the mesh's file.
     pub fn number(&self, fault: Fault, index: usize) -> Option<String> {
         let edge = |[a, b]: &[u32; 2]| format!("vertices {a} and {b}");
         let triangle = |number: &u32| format!("triangle {number}");
@@ -195,29 +195,29 @@ pub struct Shown {
     pub index: usize,
 }
 
-/// All that was found out.
+/// All results, and the fault that is displayed.
 #[derive(Clone, Debug, Default)]
 pub struct Inspection {
-    /// The size of the marked object.
+    /// The size of the selected object.
     pub sized: Option<Sized>,
-    /// Objects that were looked over.
+    /// The objects that were checked.
     pub checked: Vec<Checked>,
-    /// How often objects were looked over: what was found last is shown.
+    /// The number of checks so far: the panel opens when it changes.
     pub rounds: u64,
-    /// The fault that is lit up, and all of its kind with it.
+    /// The fault that is highlighted, together with the others of its kind.
     pub shown: Option<Shown>,
 }
 
 impl Inspection {
-    /// What is known of an object, if it still has the mesh that was looked over.
+    /// The result for an object, if it still has the mesh that was checked.
     pub fn of(&self, scene: &Scene, object: usize) -> Option<&Checked> {
         let mesh = &scene.objects.get(object)?.mesh;
         let mut checked = self.checked.iter();
         checked.find(|checked| checked.object == object && Arc::ptr_eq(&checked.mesh, mesh))
     }
 
-    /// Takes in what was found out about objects, in place of what was known of them. Where a mesh was not searched
-    /// for intersections this time, those that were found in it stay.
+    /// Stores new results in place of the objects' earlier ones. Where a mesh was not searched for intersections this
+    /// time, those found before stay.
     pub(super) fn take(&mut self, checked: Vec<Checked>) {
         let known = self
             .checked
@@ -236,7 +236,7 @@ impl Inspection {
         self.rounds += 1;
     }
 
-    /// Follows objects to their new numbers, listed by the old.
+    /// Renumbers the results; `new` lists each object's new index by its old one.
     pub(super) fn renumber(&mut self, numbers: &[usize]) {
         let new = |old: usize| numbers.get(old).copied().unwrap_or(old);
         for checked in &mut self.checked {
@@ -248,7 +248,7 @@ impl Inspection {
         }
     }
 
-    /// The size of a mesh in a place, if that is what was worked out last.
+    /// The size of a mesh under a placement, if that was measured last.
     pub fn size(&self, mesh: &Arc<Mesh>, world_from_object: &DAffine3) -> Option<&Size> {
         let sized = self.sized.as_ref()?;
         let is_it = Arc::ptr_eq(&sized.mesh, mesh) && sized.world_from_object == *world_from_object;

@@ -1,14 +1,14 @@
-//! In which unit lengths are told.
+//! The unit in which lengths are shown.
 
 use super::State;
 use raycast_core::formats::LengthUnit;
 
-/// How lengths of the scene are told.
+/// The units of lengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lengths {
-    /// What the scene's coordinates are in; it is not known, for `None`.
+    /// The unit of the scene's coordinates, if known.
     scene: Option<LengthUnit>,
-    /// In what they are told; in the scene's own units, for `None`.
+    /// The displayed unit; `None` for the scene's own.
     told: Option<LengthUnit>,
 }
 

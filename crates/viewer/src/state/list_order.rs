@@ -8,8 +8,8 @@ use super::{objects, parents};
 use raycast_core::scene::Object;
 use std::sync::Arc;
 
-/// Puts an object elsewhere in the list; it stays where it is in the scene. Refused, with a message, where it
-/// cannot move with what it would then move with.
+/// Moves an object in the list; it keeps its place in the scene. Refused with a message where its new parent is not
+/// possible.
 pub(super) fn insert(state: &mut State, which: usize, to: Insertion) -> Option<Effect> {
     let objects = &state.document.as_ref()?.scene.objects;
     let count = objects.len();
@@ -31,7 +31,7 @@ pub(super) fn insert(state: &mut State, which: usize, to: Insertion) -> Option<E
     }
 }
 
-/// Lists the objects in this order of their numbers.
+/// Reorders the objects; `order` has their old indices.
 fn renumber(state: &mut State, order: &[usize]) -> Option<Effect> {
     let mut numbers = vec![0; order.len()];
     for (new, &old) in order.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Handles in the picture by which the marked object is moved, turned and scaled (Conner et al.,
-//! "Three-Dimensional Widgets", 1992).
+//! Handles in the picture to move, rotate and scale the selected object (Conner et al., "Three-Dimensional Widgets",
+//! 1992).
 //!
-//! A drag is worked out from where it began, not from step to step: rounding does not add up, and a hand that
-//! comes back brings the object back.
+//! A drag is computed from its start, not from step to step: rounding does not add up, and a cursor that returns to the
+//! start restores the object.
 
 use super::State;
 use super::effect::Effect;
@@ -15,61 +15,61 @@ use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::math;
 use raycast_core::scene::Transform;
 
-/// Degrees that a turn snaps to.
+/// The angle in degrees whose multiples a rotation snaps to.
 const SNAP_DEGREES: f64 = 15.0;
-/// What a factor snaps to.
+/// The number whose multiples a scale factor snaps to.
 const SNAP_FACTOR: f64 = 0.1;
-/// The least factor of one drag: an object is neither mirrored by a slip of the hand nor scaled to nothing.
+/// The least scale factor of one drag: an object is neither mirrored by accident nor scaled to zero.
 const LEAST_FACTOR: f64 = 0.01;
-/// A move snaps to the least round number of scene units that is at least so many pixels of the picture.
+/// A move snaps to multiples of the least round number of scene units that is at least so many pixels of the picture.
 const SNAP_PIXELS: f64 = 12.0;
-/// The least sine of the angle between the view and a plane in which a hand can be followed: at a flatter angle a
-/// pixel is more than eight of them in the plane.
+/// The least sine of the angle between the view and the plane of a drag: at a flatter angle a pixel of the picture is
+/// more than eight in the plane.
 pub const FLATTEST: f64 = 0.125;
 
-/// A drag of a handle under way.
+/// A drag of a handle.
 #[derive(Clone, Debug)]
 pub struct Drag {
-    /// What was taken hold of.
+    /// The dragged handle.
     pub handle: Handle,
-    /// How far it has come.
+    /// Its progress.
     pub amount: Amount,
     /// Whether it snaps.
     pub snaps: bool,
     object: usize,
     tool: Tool,
-    /// Where the hand began, in the picture.
+    /// The cursor's place in the picture at the start.
     at: (f64, f64),
-    /// The handles as they were then.
+    /// The handles at the start.
     manipulator: Manipulator,
-    /// The object's transform then, and its place.
+    /// The object's transform at the start, and its index.
     start: Transform,
-    /// How long the handles are, in pixels of the picture.
+    /// The handles' length, in pixels of the picture.
     length: f64,
-    /// The whole of a turn so far, before it snaps: more than once around.
+    /// The angle of rotation so far before snapping, which may exceed a full turn.
     degrees: f64,
     before: Snapshot,
 }
 
-/// Which handles there are, and the drag of one.
+/// The handles' kind, and the drag of one.
 #[derive(Clone, Debug, Default)]
 pub struct Manipulating {
-    /// What the handles do; there are none, for `None`.
+    /// What the handles do; `None` hides them.
     pub tool: Option<Tool>,
-    /// The drag under way.
+    /// The drag in progress.
     pub drag: Option<Drag>,
-    /// Whether a hand holds a handle: also after Escape, until it lets go.
+    /// Whether the button is down on a handle: also after Escape, until it is released.
     pub is_held: bool,
 }
 
-/// Handles of an object in space.
+/// The handles of an object in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manipulator {
     /// The middle of the object's box, in world space.
     pub center: DVec3,
     /// Unit vectors in world space.
     pub axes: [DVec3; 3],
-    /// How large a pixel of the picture is there, in scene units.
+    /// The size of a pixel of the picture at the middle, in scene units.
     pub pixel: f64,
     /// From the eye to the middle: a unit vector.
     pub view: DVec3,
@@ -77,18 +77,18 @@ pub struct Manipulator {
     world_from_parent: DAffine3,
     /// The middle in the object's space.
     middle: DVec3,
-    /// Whether the axes are the object's own.
+    /// Whether the axes are the object's own rather than the scene's.
     own: bool,
 }
 
 impl Manipulator {
-    /// The place of `share` of a handle of so many pixels along an axis.
+    /// The point at a `share` of the length of a handle along an axis.
     pub fn along(&self, axis: usize, pixels: f64) -> DVec3 {
         self.center + self.axes[axis] * (self.pixel * pixels)
     }
 
-    /// How far along an axis the point is that lies nearest to the ray through a place of the picture. `None`
-    /// where one looks along the axis.
+    /// The coordinate along an axis of the point nearest to the ray through a place of the picture. `None` where the
+    /// view is along the axis.
     fn on_axis(&self, axis: DVec3, (x, y): (f64, f64)) -> Option<f64> {
         let ray = self.camera.ray(x, y);
         let direction = ray.direction.try_normalize()?;
@@ -99,8 +99,8 @@ impl Manipulator {
         (square >= FLATTEST * FLATTEST && along.is_finite()).then_some(along)
     }
 
-    /// From the middle to where the ray through a place of the picture meets the plane across `normal`. `None`
-    /// where it does not, or one looks along the plane.
+    /// The vector from the middle to the intersection of the ray through a place of the picture with the plane across
+    /// `normal`. `None` where there is none, or the view is along the plane.
     fn on_plane(&self, normal: DVec3, (x, y): (f64, f64)) -> Option<DVec3> {
         let ray = self.camera.ray(x, y);
         let t = (self.center - ray.origin).dot(normal) / ray.direction.dot(normal);
@@ -118,8 +118,7 @@ impl Manipulator {
 }
 
 impl State {
-    /// The handles of the marked object. `None` where it has none: while something else is done with clicks, or
-    /// where it cannot be seen or changed.
+    /// The handles of the selected object. `None` while clicks have another purpose, and for a hidden or locked object.
     pub fn manipulator(&self) -> Option<Manipulator> {
         let tool = self.manipulating.tool?;
         let number = self.selected?;
@@ -131,13 +130,12 @@ impl State {
         let scene = &self.document.as_ref()?.scene;
         let object = scene.objects.get(number).filter(|object| object.visible)?;
         let bounds = object.mesh.bounds();
-        let places = scene.world_from_objects().ok()?;
         let world_from_parent = match object.parent {
-            Some(parent) => *places.get(parent)?,
+            Some(parent) => scene.world_from_object(parent).ok()?,
             None => DAffine3::IDENTITY,
         };
         let middle = bounds.center();
-        let center = places.get(number)?.transform_point3(middle);
+        let center = (scene.world_from_object(number).ok()?).transform_point3(middle);
         let apart = center - camera.placement().eye;
         let (view, depth) = match camera.projection() {
             Projection::Orthographic => (camera.forward(), camera.distance()),
@@ -149,7 +147,7 @@ impl State {
         };
         let share = depth / camera.distance();
         let pixel = camera.plane().step * share;
-        // Along its own axes alone an object can be scaled without shear.
+        // Scaling along axes that are not the object's own would shear it.
         let own = self.turning.own || tool == Tool::Scale;
         let turn = rotation(object.transform.rotate);
         let axes = DVec3::AXES.map(|axis| match own {
@@ -170,7 +168,7 @@ impl State {
     }
 }
 
-/// Takes hold of a handle of so many pixels at a place of the picture.
+/// Starts dragging a handle of so many pixels at a place of the picture.
 pub(super) fn grab(state: &mut State, handle: Handle, at: (f64, f64), length: f64) {
     let found = state.manipulator().zip(state.snapshot());
     let (Some((manipulator, before)), Some(tool), Some(object)) =
@@ -201,7 +199,7 @@ pub(super) fn grab(state: &mut State, handle: Handle, at: (f64, f64), length: f6
     });
 }
 
-/// Brings the object to where the hand is; undo does not hear of it yet.
+/// Moves the object with the cursor; undo records nothing yet.
 pub(super) fn drag(state: &mut State, to: (f64, f64), snaps: bool) -> Option<Effect> {
     let drag = state.manipulating.drag.as_mut()?;
     drag.snaps = snaps;
@@ -215,7 +213,7 @@ pub(super) fn drag(state: &mut State, to: (f64, f64), snaps: bool) -> Option<Eff
     put(state, object, transform)
 }
 
-/// Lets go: the whole drag is one step of undo.
+/// Ends the drag: all of it is one step of undo.
 pub(super) fn release(state: &mut State) -> Option<Effect> {
     state.manipulating.is_held = false;
     let after = state.snapshot()?;
@@ -227,10 +225,10 @@ pub(super) fn release(state: &mut State) -> Option<Effect> {
     Some(Effect::Weigh(drag.object))
 }
 
-/// Gives the drag up: the object is back where it was.
+/// Cancels the drag: the object returns to its start.
 pub(super) fn cancel(state: &mut State) -> Option<Effect> {
     let drag = state.manipulating.drag.take()?;
-    // What came meanwhile from elsewhere, as another look of the scene, is no part of the drag.
+    // Changes that came from elsewhere meanwhile are no part of the drag.
     let here = state.snapshot()?;
     let scene = drag.before.scene;
     objects::restore(state, Snapshot { scene, ..here })
@@ -238,12 +236,12 @@ pub(super) fn cancel(state: &mut State) -> Option<Effect> {
 
 fn put(state: &mut State, object: usize, transform: Transform) -> Option<Effect> {
     let effect = objects::set_transform(state, object, transform);
-    // Its size is worked out when the hand lets go.
+    // Its size is measured at the end of the drag.
     effect.filter(|effect| !matches!(effect, Effect::Weigh(_)))
 }
 
 impl Drag {
-    /// How far the hand has moved it, along the axes.
+    /// The translation so far, along the axes.
     fn moved(&self, to: (f64, f64)) -> Option<DVec3> {
         let m = &self.manipulator;
         let [x, y, z] = m.axes;
@@ -271,17 +269,17 @@ impl Drag {
         Some((moved / step).round() * step)
     }
 
-    /// How far the hand has turned it, in degrees.
+    /// The rotation so far, in degrees.
     fn turned(&mut self, to: (f64, f64)) -> Option<f64> {
         let m = &self.manipulator;
         let normal = m.normal(self.handle);
         let degrees = match m.on_plane(normal, self.at).zip(m.on_plane(normal, to)) {
             Some((from, to)) => {
                 let angle = math::atan2(normal.dot(from.cross(to)), from.dot(to)).to_degrees();
-                // Once more around than before, or once less, whichever is nearer.
+                // Of the equivalent angles, the nearest to the last one.
                 angle + 360.0 * ((self.degrees - angle) / 360.0).round()
             }
-            // Seen from its edge a ring is a line: its near side follows the hand.
+            // Seen edge-on a ring is a line: its near side follows the cursor.
             None => {
                 let across = normal.cross(-m.view).try_normalize()?;
                 let way = m.on_axis(across, to)? - m.on_axis(across, self.at)?;
@@ -295,7 +293,7 @@ impl Drag {
         })
     }
 
-    /// The factors along the axes that the hand has come to.
+    /// The scale factors so far, along the axes.
     fn scaled(&self, to: (f64, f64)) -> Option<DVec3> {
         let m = &self.manipulator;
         let factor = match self.handle {
@@ -308,13 +306,13 @@ impl Drag {
                 let from = from?;
                 to?.dot(from) / from.length_squared()
             }
-            // Twice as large for each length of a handle to the right or up.
+            // The factor doubles for each length of a handle to the right or up.
             Handle::All => {
                 let way = (to.0 - self.at.0) + (self.at.1 - to.1);
                 math::pow(2.0, (way / self.length).clamp(-16.0, 16.0))
             }
         };
-        // The hand took hold of the middle, or of what is seen from its edge.
+        // The drag started in the middle, or at a handle that is seen edge-on.
         if !factor.is_finite() {
             return None;
         }
@@ -330,7 +328,7 @@ impl Drag {
         factors.is_finite().then_some(factors)
     }
 
-    /// The object's transform after so much of the drag.
+    /// The object's transform after this progress of the drag.
     fn transform(&self) -> Transform {
         let m = &self.manipulator;
         let start = &self.start;
@@ -368,7 +366,7 @@ impl Drag {
     }
 }
 
-/// A vector with one of its numbers changed.
+/// A vector with one component changed.
 trait WithAxis {
     fn with_axis(self, axis: usize, value: f64) -> Self;
 }

@@ -6,17 +6,17 @@ use super::pick::Pick;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
-/// How near to the cursor, in pixels of the window, a vertex must be for a point to snap to it.
+/// The distance from the cursor within which a point snaps to a vertex, in pixels of the window.
 const SNAP: f64 = 12.0;
 
-/// What is measured.
+/// The kind of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// From a point to another.
+    /// The distance between two points.
     Distance,
-    /// At the second of three points.
+    /// The angle at the second of three points.
     Angle,
-    /// Along points, one after another.
+    /// The length of a path through points.
     Path,
     /// The radius of the circle through three points.
     Radius,
@@ -26,7 +26,7 @@ impl Kind {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Distance, Self::Angle, Self::Path, Self::Radius];
 
-    /// What it is called.
+    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Distance => "Distance",
@@ -36,7 +36,7 @@ impl Kind {
         }
     }
 
-    /// How many points it takes; a path takes as many as there are.
+    /// Its number of points; `None` for a path.
     pub fn points(self) -> Option<usize> {
         match self {
             Self::Distance => Some(2),
@@ -45,7 +45,7 @@ impl Kind {
         }
     }
 
-    /// What is to be clicked.
+    /// An instruction for the user.
     pub fn hint(self) -> &'static str {
         match self {
             Self::Distance => "Click two points",
@@ -56,29 +56,29 @@ impl Kind {
     }
 }
 
-/// What was measured.
+/// A measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
-    /// Between these points of the scene.
+    /// Its points in world space.
     pub points: Vec<DVec3>,
 }
 
-/// A circle in space.
+/// A circle in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// Its middle.
     pub center: DVec3,
-    /// From there, in scene units.
+    /// Its radius, in scene units.
     pub radius: f64,
-    /// The unit vector that it turns about.
+    /// The unit normal of its plane.
     pub normal: DVec3,
 }
 
 impl Measurement {
-    /// A length in scene units, or an angle in degrees from 0 to 180. `None` where there is none: an angle
-    /// with an arm of no length, a circle through points on a line.
+    /// A length in scene units, or an angle in degrees from 0 to 180. `None` for an angle with an arm of length zero,
+    /// and a circle through collinear points.
     pub fn value(&self) -> Option<f64> {
         match (self.kind, &self.points[..]) {
             (Kind::Distance | Kind::Path, points) => {
@@ -97,7 +97,7 @@ impl Measurement {
         }
     }
 
-    /// The same length in the unit that lengths are told in; an angle as it is.
+    /// The value in the unit that lengths are shown in; an angle stays in degrees.
     pub fn told(&self, lengths: &Lengths) -> Option<f64> {
         let value = self.value()?;
         Some(match self.kind {
@@ -106,7 +106,7 @@ impl Measurement {
         })
     }
 
-    /// The circle through three points; `None` where they are on a line.
+    /// The circle through three points; `None` if they are collinear.
     pub fn circle(&self) -> Option<Circle> {
         let (Kind::Radius, &[a, b, c]) = (self.kind, &self.points[..]) else {
             return None;
@@ -125,16 +125,16 @@ impl Measurement {
     }
 }
 
-/// What is being measured, and what was.
+/// The measuring tool, and the finished measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measuring {
-    /// What clicks measure; nothing, if they pick.
+    /// The tool in use; `None` if clicks pick.
     pub tool: Option<Kind>,
-    /// The points that were clicked so far.
+    /// The points clicked so far.
     pub points: Vec<DVec3>,
     /// Whether points snap to vertices.
     pub snaps: bool,
-    /// What was measured, oldest first.
+    /// The finished measurements, oldest first.
     pub list: Vec<Measurement>,
 }
 
@@ -150,8 +150,8 @@ impl Default for Measuring {
 }
 
 impl Measuring {
-    /// All that was measured as comma-separated values, a measurement a line, numbers with all their digits. Points
-    /// are in the scene's coordinates.
+    /// All measurements as comma-separated values, one a line, numbers with all their digits. Points are in the scene's
+    /// coordinates.
     pub fn csv(&self, lengths: &Lengths) -> String {
         let mut text = "number,kind,value,unit,points\n".to_owned();
         for (number, measurement) in (1..).zip(&self.list) {
@@ -172,7 +172,7 @@ impl Measuring {
         text
     }
 
-    /// Ends a path that has a length.
+    /// Finishes a path of at least two points.
     pub(super) fn end_path(&mut self) {
         if self.tool == Some(Kind::Path) && self.points.len() > 1 {
             self.finish(Kind::Path);
@@ -184,9 +184,9 @@ impl Measuring {
         self.list.push(Measurement { kind, points });
     }
 
-    /// Takes a point; with the last the measurement is done, and the next begins.
+    /// Adds a point; the last one finishes the measurement, and the next begins.
     pub(super) fn add(&mut self, point: DVec3) {
-        // A double-click on a place is no way.
+        // A double-click adds no second point.
         if self.points.last() == Some(&point) {
             return;
         }
@@ -199,7 +199,7 @@ impl Measuring {
     }
 }
 
-/// A point that a click would take.
+/// The point that a click would add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// In world space.
@@ -209,8 +209,8 @@ pub struct Target {
 }
 
 impl State {
-    /// The point that a click at (x, y) of the picture would take: a vertex of the triangle there, if one is
-    /// near enough and points snap, else the hit itself.
+    /// The point that a click at (x, y) of the picture would add: a vertex of the triangle there if points snap and one
+    /// is near enough, else the hit itself.
     pub fn target(&self, x: f64, y: f64) -> Option<Target> {
         let pick = self.pick(x, y)?;
         let hit = Target {
@@ -238,7 +238,7 @@ impl State {
         let scene = &self.document.as_ref()?.built;
         let number = pick.hit.object as usize;
         let object = scene.objects.get(number)?;
-        let world_from_object = *scene.world_from_objects().ok()?.get(number)?;
+        let world_from_object = scene.world_from_object(number).ok()?;
         let corners = object.mesh.corners(pick.hit.triangle)?;
         Some(corners.map(|corner| {
             world_from_object.transform_point3(object.mesh.offset() + corner.as_dvec3())

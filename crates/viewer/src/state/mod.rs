@@ -1,4 +1,4 @@
-//! What the window shows and how: plain values, no user interface.
+//! The window's state: plain values, without user interface.
 //!
 //! Four kinds, apart from one another: the *document* (objects, look, picture), which commands change and undo
 //! brings back; the *view*, which navigation changes and which has a history of its own; the *session*
@@ -11,6 +11,7 @@ pub mod cut;
 pub mod document;
 pub mod effect;
 mod files;
+mod framing;
 pub mod handle;
 pub mod history;
 pub mod insertion;
@@ -45,32 +46,28 @@ use inspection::Inspection;
 use manipulator::Manipulating;
 use measure::Measuring;
 use motion::{Motion, Trail};
-use pick::Pick;
 use picks::Picks;
 use preferences::Preferences;
-use raycast_core::camera::{
-    Camera, FrameLock, Grid, ImagePlane, PlaneError, PlaneRequest, Projection, Stereo,
-};
+use raycast_core::camera::{FrameLock, Grid, Stereo};
 use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
-use raycast_core::render::{Settings, View};
-use raycast_core::scene::{Bounds, Masks};
+use raycast_core::render::Settings;
 use raycast_core::shade::{Legend, Shading};
 use std::sync::Arc;
 use std::time::Duration;
 use turn::Turning;
 use viewpoint::Viewpoint;
 
-/// The most pixels of a picture in the window: 4 bytes each, held a few times over.
+/// The most pixels of a picture in the window: each takes 4 bytes, several times.
 pub const WINDOW_PIXELS: u64 = 1 << 25;
 /// The most samples a pixel.
 pub const SAMPLES_LIMIT: u32 = raycast_core::ranges::MOST_SAMPLES;
-/// Rays a pixel of a picture that nobody touches.
+/// Samples a pixel of a still picture.
 pub const REST_SAMPLES: u32 = 16;
 /// The most tiles a picture is split into.
 pub const TILES_LIMIT: u64 = 1 << 16;
 
-/// Where the picture's columns and rows come from.
+/// What determines the picture's columns and rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resolution {
     /// The window's own pixels, times a density: 1 is a ray a pixel, ½ a ray for 2 × 2 of them.
@@ -78,34 +75,34 @@ pub enum Resolution {
         /// Rays along a side for each pixel of the screen.
         density: f64,
     },
-    /// So many columns and rows, whatever the window's size.
+    /// Fixed columns and rows, independent of the window's size.
     Fixed(u32, u32),
 }
 
-/// What colours tiles by their statistics.
+/// The statistic that colours tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tint {
-    /// Nothing does.
+    /// None.
     #[default]
     None,
-    /// How long each took.
+    /// The time that each took.
     Time,
-    /// Which worker made it.
+    /// The worker that rendered each.
     Worker,
 }
 
-/// What is drawn over the picture about its tiles.
+/// What is drawn over the tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Overlay {
     /// Lines between tiles.
     pub borders: bool,
-    /// The place of each tile in the order of arrival.
+    /// The number of each tile in the order of arrival.
     pub order: bool,
     /// Colour by statistics.
     pub tint: Tint,
 }
 
-/// All that a person can change, and what there is to see.
+/// The whole state of the window.
 #[derive(Clone, Debug)]
 pub struct State {
     /// The window's clock.
@@ -113,96 +110,96 @@ pub struct State {
 
     /// The scene on screen; `None` until the first one is there.
     pub document: Option<Document>,
-    /// Where columns and rows come from.
+    /// What determines the picture's columns and rows.
     pub resolution: Resolution,
-    /// How far the frame is off the view axis, as the scene's file says: to the right and up, in its heights.
+    /// The frame's shift off the view axis, to the right and up, in heights of the frame.
     pub shift: [f64; 2],
-    /// How the scene's file has its picture for two eyes: kept, and not shown.
+    /// The stereo settings of the scene's file: saved again, but not displayed.
     pub stereo: Option<Stereo>,
-    /// Rays a pixel, where a person or the scene has set them.
+    /// Samples a pixel, if the user or the scene has set them.
     pub samples: Option<u32>,
     /// Shading and culling.
     pub settings: Settings,
-    /// What can be undone.
+    /// The steps of undo.
     pub history: History,
 
-    /// Where it is seen from.
+    /// The viewpoint.
     pub viewpoint: Viewpoint,
-    /// Where it was seen from at first.
+    /// The viewpoint when the scene was opened.
     pub home: Viewpoint,
-    /// How fast one walks, in sizes of the scene a second; not at all, for `None`.
+    /// The walking speed in sizes of the scene a second; `None` while not walking.
     pub walk: Option<f64>,
-    /// Views that were kept, for this scene.
+    /// The scene's bookmarks.
     pub bookmarks: Vec<Viewpoint>,
-    /// A change of view under way.
+    /// The smooth change of view in progress.
     pub motion: Option<Motion>,
     /// The camera's history.
     pub trail: Trail,
 
-    /// The picture's place in the window, in device pixels.
+    /// The size of the picture's place in the window, in device pixels.
     pub viewport: (u32, u32),
-    /// The longest side that the window's graphics can hold.
+    /// The longest side of a texture that the graphics can hold.
     pub side_limit: u32,
-    /// The marked object.
+    /// The selected object.
     pub selected: Option<usize>,
-    /// Which objects are locked, as far as any is.
+    /// Which objects are locked, by index; those beyond its end are not.
     pub locked: Arc<Vec<bool>>,
-    /// How objects are turned and scaled.
+    /// The settings by which objects are rotated and scaled.
     pub turning: Turning,
     /// The handles in the picture.
     pub manipulating: Manipulating,
-    /// The object whose name is being typed.
+    /// The object whose name is being edited.
     pub naming: Option<usize>,
-    /// What is being measured, and what was.
+    /// The measuring tool, and the measurements.
     pub measuring: Measuring,
-    /// The points so far of a clipping plane through three, while they are clicked.
+    /// The points so far while a clipping plane through three points is being clicked.
     pub cutting: Option<Vec<DVec3>>,
-    /// What was found out about meshes.
+    /// Results of measuring and checking meshes.
     pub inspection: Inspection,
-    /// What the colours of the picture on screen stand for.
+    /// The legend of the picture on screen.
     pub legend: Option<Arc<Legend>>,
-    /// What was clicked on.
+    /// The picks.
     pub picks: Picks,
-    /// Whether the keys are shown.
+    /// Whether the help is open.
     pub help: bool,
-    /// The list of commands, if open.
+    /// The command palette, if open.
     pub palette: Option<Palette>,
     /// The path line, if open.
     pub prompt: Option<Prompt>,
-    /// The path line that was taken last, until it is known whether its file could be read.
+    /// The path line that was accepted last, until its file is read: on failure it opens again.
     pub typed: Option<Prompt>,
-    /// What waits for an answer about unsaved changes.
+    /// The action that waits for an answer about unsaved changes.
     pub question: Option<Pending>,
-    /// What follows once the scene is saved.
+    /// The action that follows when the scene has been saved.
     pub after_saving: Option<Pending>,
-    /// The file that would be replaced, while the person is asked.
+    /// The existing file that the user is asked about replacing.
     pub replacing: Option<Replacing>,
-    /// Errors that were not dismissed yet, oldest first.
+    /// Errors that have not been dismissed, oldest first.
     pub errors: Vec<String>,
-    /// Messages that go by themselves, oldest first.
+    /// Short messages that disappear by themselves, oldest first.
     pub toasts: Vec<Toast>,
     /// The point of the picture under the cursor, in its pixels.
     pub hover: Option<(f64, f64)>,
-    /// How far along the view axis the point is that a pan holds on to.
+    /// The depth along the view axis of the point that a pan moves.
     pub grabbed_depth: f64,
 
     /// What stays when the step changes.
     pub lock: FrameLock,
-    /// How the picture is split.
+    /// The split into tiles.
     pub grid: Grid,
-    /// What is drawn over it.
+    /// What is drawn over the tiles.
     pub overlay: Overlay,
     /// Render threads.
     pub threads: usize,
-    /// How much reading files may take.
+    /// The limits of reading files.
     pub limits: Limits,
     /// Whether the side panel is open.
     pub panel: bool,
-    /// How a person likes to work.
+    /// The user's preferences.
     pub preferences: Preferences,
 }
 
-/// The settings of pictures whose files say none.
+/// The settings for files without any.
 fn first_settings() -> Settings {
     Settings {
         shading: Shading::studio(),
@@ -261,130 +258,13 @@ impl Default for State {
     }
 }
 
-/// As many threads as the machine runs at once.
+/// The number of threads that the machine runs at once.
 pub fn default_threads() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 impl State {
-    /// Columns and rows of the picture.
-    pub fn size(&self) -> (u32, u32) {
-        match self.resolution {
-            Resolution::Fixed(columns, rows) => (columns, rows),
-            Resolution::Window { density } => {
-                let side = |pixels: u32| {
-                    let side = (f64::from(pixels) * density).round();
-                    side.clamp(1.0, f64::from(self.side_limit)) as u32
-                };
-                (side(self.viewport.0), side(self.viewport.1))
-            }
-        }
-    }
-
-    /// The frame's height at the target, in scene units.
-    pub fn frame_height(&self) -> f64 {
-        self.viewpoint.frame_height()
-    }
-
-    /// Rays a pixel of the picture that stands still: as set, else [`REST_SAMPLES`] where each pixel of the
-    /// window has a ray and the person has not said no. What is saved has as many.
-    pub fn rest_samples(&self) -> u32 {
-        let is_one_to_one = self.resolution == Resolution::Window { density: 1.0 };
-        match self.samples {
-            Some(samples) => samples,
-            None if self.preferences.refine && is_one_to_one => REST_SAMPLES,
-            None => 1,
-        }
-    }
-
-    /// The lattice of rays.
-    ///
-    /// # Errors
-    /// A size or a frame out of range.
-    pub fn plane(&self) -> Result<ImagePlane, PlaneError> {
-        PlaneRequest {
-            size: Some(self.size()),
-            step: None,
-            frame_height: Some(self.frame_height()),
-        }
-        .resolve(self.size(), self.frame_height())
-    }
-
-    /// The camera; `None` where the plane cannot be made.
-    pub fn camera(&self) -> Option<Camera> {
-        let plane = self.plane().ok()?;
-        let mut viewpoint = self.viewpoint;
-        if viewpoint.projection == Projection::Orthographic {
-            // Zooming narrows the frame; the plane that rays start from stays before the scene.
-            viewpoint.orbit.distance = viewpoint.orbit.distance.max(self.clear_distance());
-        }
-        let camera = Camera::new(viewpoint.placement(), viewpoint.projection, plane);
-        Some(match self.can_shift() {
-            true => camera.shifted(self.shift),
-            false => camera,
-        })
-    }
-
-    /// Whether the picture is one of those that may be off the view axis.
-    pub fn can_shift(&self) -> bool {
-        let projection = self.viewpoint.projection;
-        projection.panorama().is_none() || projection.lens().is_some()
-    }
-
-    /// How far from the pivot an eye has everything in front of it.
-    fn clear_distance(&self) -> f64 {
-        let orbit = self.viewpoint.orbit;
-        let back = orbit.back();
-        self.bounds()
-            .corners()
-            .into_iter()
-            .map(|corner| (corner - orbit.pivot).dot(back))
-            .filter(|distance| distance.is_finite())
-            .fold(0.0, f64::max)
-            * 1.05
-    }
-
-    /// The box around the scene; a unit box about the origin while there is none.
-    pub fn bounds(&self) -> Bounds {
-        match &self.document {
-            Some(document) if !document.bounds.is_empty() => document.bounds,
-            _ => Bounds::around([DVec3::splat(-0.5), DVec3::splat(0.5)]),
-        }
-    }
-
-    /// How large the scene is, corner to corner, in its units.
-    pub fn extent(&self) -> f64 {
-        let length = self.bounds().size().length();
-        if length.is_normal() { length } else { 1.0 }
-    }
-
-    /// The picture's width over its height.
-    pub fn aspect(&self) -> f64 {
-        let (columns, rows) = match self.resolution {
-            Resolution::Fixed(columns, rows) => (columns, rows),
-            Resolution::Window { .. } => self.viewport,
-        };
-        f64::from(columns.max(1)) / f64::from(rows.max(1))
-    }
-
-    /// How far what is visible reaches in a direction.
-    fn support(&self, direction: DVec3) -> Option<f64> {
-        match &self.document {
-            Some(document) => document.accel.support(direction),
-            None => {
-                let corners = self.bounds().corners().into_iter();
-                corners.map(|corner| corner.dot(direction)).reduce(f64::max)
-            }
-        }
-    }
-
-    /// A viewpoint of this direction and lens from which all that is visible is in view.
-    pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
-        let center = self.bounds().center();
-        viewpoint.fitted(center, self.aspect(), |direction| self.support(direction))
-    }
-
-    /// What undo would bring back; `None` while there is no scene.
+    /// What undo would restore; `None` while there is no scene.
     pub fn snapshot(&self) -> Option<Snapshot> {
         Some(Snapshot {
             scene: Arc::clone(&self.document.as_ref()?.scene),
@@ -396,13 +276,13 @@ impl State {
         })
     }
 
-    /// Whether an object is not to be changed by hand.
+    /// Whether an object is locked.
     pub fn is_locked(&self, object: usize) -> bool {
         self.locked.get(object).copied().unwrap_or(false)
     }
 
-    /// Whether there are changes that a person would miss: of a scene that has a file, or of objects that could
-    /// be saved. Another mode alone, while one looks through meshes, is none.
+    /// Whether there are unsaved changes to ask about: any change of a scene that has a file; without one, changes of
+    /// objects that can be saved. Another mode while looking through meshes does not count.
     pub fn has_unsaved(&self) -> bool {
         let Some(document) = &self.document else {
             return false;
@@ -414,9 +294,9 @@ impl State {
         is_changed && document.can_be_saved()
     }
 
-    /// Shows an error once.
+    /// Shows an error. One that is shown already moves to the end.
     pub(super) fn report(&mut self, message: String) {
-        // The same fault twice is one banner.
+        // Each message has one banner.
         self.errors.retain(|error| *error != message);
         self.errors.push(message);
     }
@@ -430,26 +310,12 @@ impl State {
         });
     }
 
-    /// Whether a field for text is open that takes the keyboard, or is about to.
+    /// Whether a text field has the keyboard, or is about to get it.
     pub fn is_typing(&self) -> bool {
         self.prompt.is_some() || self.palette.is_some()
     }
 
-    /// Everything that decides the picture as it is while things move; `None` while there is no scene.
-    pub fn view(&self) -> Option<View> {
-        let document = self.document.as_ref()?;
-        Some(View {
-            scene: Arc::clone(&document.built),
-            accel: Arc::clone(&document.accel),
-            camera: self.camera()?,
-            settings: Settings {
-                samples: self.samples.unwrap_or(1),
-                ..self.settings
-            },
-        })
-    }
-
-    /// The scene as its file holds it; `None` while there is none.
+    /// The scene as it is saved; `None` while there is none.
     pub fn scene_file(&self) -> Option<SceneFile> {
         let document = self.document.as_ref()?;
         Some(SceneFile {
@@ -467,7 +333,7 @@ impl State {
                 pixel_filter: unusual(self.settings.pixel_filter),
                 shift: unusual(self.shift).filter(|_| self.can_shift()),
                 stereo: self.stereo,
-                // The camera's field of view says it.
+                // It follows from the size and the camera's field of view.
                 step: None,
             },
             shading: Some(self.settings.shading),
@@ -475,38 +341,12 @@ impl State {
             ..SceneFile::default()
         })
     }
-
-    /// The same as it is at rest: what is saved.
-    pub fn view_at_rest(&self) -> Option<View> {
-        let mut view = self.view()?;
-        view.settings.samples = self.rest_samples();
-        Some(view)
-    }
-
-    /// What the ray through (x, y) of the picture meets.
-    pub fn pick(&self, x: f64, y: f64) -> Option<Pick> {
-        let ray = self.camera()?.ray(x, y);
-        let document = self.document.as_ref()?;
-        let masks = Masks::of(&document.scene);
-        let kept = document.accel.clipped(&self.settings.clip);
-        let hit = (kept.masked(masks.as_ref())).cast(&ray, self.settings.cull)?;
-        Some(Pick {
-            hit,
-            point: ray.at(hit.t),
-        })
-    }
-
-    /// How many tiles the picture is split into, side by side and one above the other.
-    pub fn tile_counts(&self) -> (u32, u32) {
-        let (columns, rows) = self.size();
-        self.grid.counts(columns, rows)
-    }
 }
 
 #[cfg(test)]
 mod tests;
 
-/// A setting that a scene file tells: one that is not the usual one.
+/// A setting for a scene file, which omits defaults.
 fn unusual<T: Default + PartialEq>(setting: T) -> Option<T> {
     (setting != T::default()).then_some(setting)
 }

@@ -1,16 +1,16 @@
-//! From one viewpoint to another: at once or by way of those between, and back again.
+//! Smooth changes of view, and the camera's history.
 
 use super::viewpoint::Viewpoint;
 use std::time::Duration;
 
-/// How long the camera takes from one view to another: long enough to see where it goes.
+/// The duration of a smooth change of view: long enough to see where the camera goes.
 pub const LENGTH: Duration = Duration::from_millis(200);
-/// Navigation that goes on within this time is one step of the camera's history.
+/// Navigation within this time joins one step of the camera's history.
 const PAUSE: Duration = Duration::from_millis(700);
-/// The most viewpoints that are kept.
+/// The most viewpoints in the history.
 const MOST: usize = 100;
 
-/// A change of view under way.
+/// A smooth change of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     from: Viewpoint,
@@ -19,7 +19,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// A change that begins now.
+    /// A change that starts now.
     pub fn new(from: Viewpoint, to: Viewpoint, now: Duration) -> Self {
         Self {
             from,
@@ -28,12 +28,12 @@ impl Motion {
         }
     }
 
-    /// Where it ends.
+    /// Its end.
     pub fn end(&self) -> Viewpoint {
         self.to
     }
 
-    /// Where it has got to, and whether that is the end. It begins and ends gently.
+    /// The viewpoint now, and whether it is the end. The speed rises and falls smoothly.
     pub fn at(&self, now: Duration) -> (Viewpoint, bool) {
         let share = now.saturating_sub(self.started).as_secs_f64() / LENGTH.as_secs_f64();
         let share = share.min(1.0);
@@ -42,7 +42,7 @@ impl Motion {
     }
 }
 
-/// Viewpoints that the camera was at, and came back from.
+/// The camera's history: viewpoints to go back and forward to.
 #[derive(Clone, Debug, Default)]
 pub struct Trail {
     past: Vec<Viewpoint>,
@@ -51,8 +51,7 @@ pub struct Trail {
 }
 
 impl Trail {
-    /// Notes that the camera is about to leave a viewpoint. Moves that follow closely, as a drag's do, are
-    /// one.
+    /// Records a viewpoint that the camera leaves. Moves in close succession, as in a drag, join one step.
     pub fn leave(&mut self, viewpoint: Viewpoint, now: Duration, is_gesture: bool) {
         let goes_on = self.moved.is_some_and(|moved| now < moved + PAUSE);
         self.moved = is_gesture.then_some(now);
@@ -66,7 +65,7 @@ impl Trail {
         }
     }
 
-    /// The viewpoint before, `here` being the present one.
+    /// Goes back; `here` is the present viewpoint.
     pub fn back(&mut self, here: Viewpoint) -> Option<Viewpoint> {
         let there = self.past.pop()?;
         self.future.push(here);
@@ -74,7 +73,7 @@ impl Trail {
         Some(there)
     }
 
-    /// The viewpoint that was come back from.
+    /// Goes forward, likewise.
     pub fn forward(&mut self, here: Viewpoint) -> Option<Viewpoint> {
         let there = self.future.pop()?;
         self.past.push(here);
@@ -82,12 +81,12 @@ impl Trail {
         Some(there)
     }
 
-    /// Whether there is a viewpoint before.
+    /// Whether it can go back.
     pub fn has_past(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is one that was come back from.
+    /// Whether it can go forward.
     pub fn has_future(&self) -> bool {
         !self.future.is_empty()
     }

@@ -1,4 +1,4 @@
-//! Where the camera goes.
+//! Navigation: moving the camera.
 
 use super::State;
 use super::motion::Motion;
@@ -6,17 +6,18 @@ use super::viewpoint::{StandardView, Viewpoint};
 use raycast_core::camera::{Orbit, Placement, Projection, Ray};
 use raycast_core::glam::DVec3;
 
-/// The camera looks from further away than this many times the scene's size only where a file has it so: a
-/// scene should not be lost from view.
+/// The greatest distance that navigation goes to, in sizes of the scene, so that a scene is not lost from view. A
+/// file's camera may be further away.
 const FURTHEST: f64 = 12.0;
 
-/// Before the camera moves by hand: what was under way ends there, and can be come back to.
+/// Called before the camera is moved by hand: a smooth change ends where it is, and the viewpoint goes into the
+/// history.
 pub(super) fn leave(state: &mut State) {
     state.motion = None;
     state.trail.leave(state.viewpoint, state.now, true);
 }
 
-/// Goes to another view; by way of those between, where the person likes that.
+/// Goes to another view, smoothly if preferred.
 pub(super) fn go(state: &mut State, to: Viewpoint) {
     if !to.orbit.pivot.is_finite() {
         return;
@@ -35,7 +36,7 @@ fn travel(state: &mut State, to: Viewpoint) {
     }
 }
 
-/// Moves the camera on, if it is on its way; whether it still is.
+/// Advances a smooth change of view; returns whether it goes on.
 pub(super) fn advance(state: &mut State) -> bool {
     let Some(motion) = state.motion else {
         return false;
@@ -48,22 +49,22 @@ pub(super) fn advance(state: &mut State) -> bool {
     !is_over
 }
 
-/// Where the camera is, or is on its way to.
+/// The camera's viewpoint, or the one that it is moving to.
 pub(super) fn destination(state: &State) -> Viewpoint {
     state.motion.map_or(state.viewpoint, |motion| motion.end())
 }
 
-/// All of the scene, from the same direction.
+/// Fits the scene, seen from the same direction.
 pub(super) fn fit(state: &mut State) {
     go(state, state.fitted(destination(state)));
 }
 
-/// A standard direction, the right way up.
+/// Goes to a standard view.
 pub(super) fn look(state: &mut State, view: StandardView) {
     go(state, destination(state).turned_to(view.angles()));
 }
 
-/// From the other side of the pivot.
+/// Goes to the opposite side of the pivot.
 pub(super) fn look_back(state: &mut State) {
     let here = destination(state);
     go(
@@ -72,7 +73,7 @@ pub(super) fn look_back(state: &mut State) {
     );
 }
 
-/// Looks from a place at another; nothing where they say no direction.
+/// Looks from an eye at a target; does nothing where they coincide.
 pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
     let placement = Placement::towards(eye, target);
     if placement.check().is_ok() {
@@ -85,8 +86,8 @@ pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
     }
 }
 
-/// Shows the scene in another projection, from where it is seen. Planar pictures keep what they show at the pivot; a
-/// panorama begins with all that it usually has.
+/// Sets the projection. Between planar projections the picture at the pivot stays; a panorama starts with its default
+/// field of view.
 pub(super) fn set_projection(state: &mut State, projection: Projection) {
     let viewpoint = &mut state.viewpoint;
     if viewpoint.projection.panorama() != projection.panorama() {
@@ -95,11 +96,12 @@ pub(super) fn set_projection(state: &mut State, projection: Projection) {
     viewpoint.projection = projection;
 }
 
-/// How fast one walks at first, in sizes of the scene a second; and the slowest and the fastest.
+/// The first, the least and the greatest walking speed, in sizes of the scene a second.
 const WALK: f64 = 0.25;
 const WALK_RANGE: (f64, f64) = (1e-3, 10.0);
 
-/// Begins to walk, or stops. Where rays are side by side nobody comes nearer: they come from the eye then.
+/// Starts or stops walking. An orthographic projection becomes perspective: moving forward would not change its
+/// picture.
 pub(super) fn set_walk(state: &mut State, on: bool) {
     state.walk = on.then_some(WALK);
     if on {
@@ -110,7 +112,7 @@ pub(super) fn set_walk(state: &mut State, on: bool) {
     }
 }
 
-/// Walks at another speed.
+/// Multiplies the walking speed.
 pub(super) fn scale_walk(state: &mut State, factor: f64) {
     if let Some(speed) = &mut state.walk
         && factor.is_finite()
@@ -119,7 +121,7 @@ pub(super) fn scale_walk(state: &mut State, factor: f64) {
     }
 }
 
-/// Walks for a while: to the right, up in the picture and forwards.
+/// Walks for one frame: to the right, up in the picture and forwards.
 pub(super) fn walk(state: &mut State, way: DVec3, seconds: f64) {
     let (Some(speed), true) = (state.walk, way.is_finite() && seconds.is_finite()) else {
         return;
@@ -131,7 +133,7 @@ pub(super) fn walk(state: &mut State, way: DVec3, seconds: f64) {
     viewpoint.orbit.pivot += (right * way.x + up * way.y - back * way.z) * length;
 }
 
-/// Turns where one stands: the eye stays, and the pivot goes round.
+/// Turns the view about the eye: the pivot moves around it.
 pub(super) fn look_around(state: &mut State, yaw: f64, pitch: f64) {
     leave(state);
     let orbit = &mut state.viewpoint.orbit;
@@ -149,7 +151,7 @@ pub(super) fn roll(state: &mut State, degrees: f64) {
     }
 }
 
-/// The view before.
+/// Goes back in the camera's history.
 pub(super) fn back(state: &mut State) {
     let here = destination(state);
     if let Some(there) = state.trail.back(here) {
@@ -157,7 +159,7 @@ pub(super) fn back(state: &mut State) {
     }
 }
 
-/// The view that was come back from.
+/// Goes forward in the camera's history.
 pub(super) fn forward(state: &mut State) {
     let here = destination(state);
     if let Some(there) = state.trail.forward(here) {
@@ -187,7 +189,7 @@ pub(super) fn pan(state: &mut State, dx: f64, dy: f64) {
     };
     let scale = match camera.projection() {
         Projection::Orthographic => 1.0,
-        // The step is measured at the target; what was grabbed may be nearer or farther.
+        // The step is measured at the target; the grabbed point may be nearer or farther.
         _ => state.grabbed_depth / camera.distance(),
     } * camera.plane().step;
     if scale.is_finite() && dx.is_finite() && dy.is_finite() {
@@ -204,7 +206,7 @@ pub(super) fn zoom(state: &mut State, at: (f64, f64), factor: f64) {
     let extent = state.extent();
     let distance = state.viewpoint.orbit.distance;
     let slope = state.viewpoint.slope();
-    // The frame's height is what counts: through a narrow lens one is far away.
+    // The limit applies to the frame's height: with a narrow field of view the eye is far away.
     let furthest = (FURTHEST * extent / (2.0 * slope)).max(distance);
     let factor = (distance * factor).clamp((extent * 1e-5).min(furthest), furthest) / distance;
     if !factor.is_normal() {

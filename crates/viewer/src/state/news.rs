@@ -1,4 +1,4 @@
-//! What other threads tell, and what becomes of it.
+//! News from other threads, and its effect on the state.
 
 use super::bookmarks;
 use super::document::{Document, Tree};
@@ -25,94 +25,94 @@ use std::time::Duration;
 /// News from other threads.
 #[derive(Debug)]
 pub enum News {
-    /// A scene is ready; its file's camera and settings come along.
+    /// A scene was read, with its file's camera and settings.
     Loaded(Box<Loaded>),
-    /// Objects to put beside those that are open, and what could be read only in part.
+    /// Objects were read that are to be added to the scene.
     Added {
         /// The objects; their parents are among them.
         objects: Vec<Object>,
         /// Every file that was read for them.
         opened: Vec<PathBuf>,
-        /// The unit that they say their coordinates are in.
+        /// The unit of their coordinates, if the files state one.
         unit: Option<LengthUnit>,
-        /// The files that were asked for.
+        /// The requested files.
         paths: Vec<PathBuf>,
-        /// What could be read only in part.
+        /// Warnings of files that could be read in part.
         notes: Vec<String>,
-        /// Files that could not be read.
+        /// Errors of files that could not be read.
         errors: Vec<String>,
     },
-    /// Files that were to be opened could not be: the whole message.
+    /// Files could not be opened: the error.
     NotOpened(String),
-    /// The tree over these objects.
+    /// A tree over these objects was built.
     Built(Arc<Scene>, Tree),
-    /// What a picture was made of; its scene is open.
+    /// A picture's recipe was read; its scene is open.
     Recipe(Box<Recipe>),
-    /// Nothing came of it.
+    /// A task ended without a result.
     Nothing,
     /// A texture was read, for an object or for all.
     Texture(Arc<Texture>, PathBuf, Option<usize>),
-    /// A picture, or what was measured, was written.
+    /// A picture, or measurements, were written.
     PictureSaved(PathBuf),
-    /// The size of an object was worked out.
+    /// An object was measured.
     Sized(Sized),
-    /// Objects were looked over.
+    /// Objects were checked.
     Checked(Vec<Checked>),
-    /// The scene was written, as it was at this revision.
+    /// The scene was written, at this revision.
     SceneSaved(PathBuf, u64),
-    /// It was not: a file is there.
+    /// Nothing was written, because the file exists.
     Taken(Replacing),
-    /// The file that changes keys was read; because a person `asked` for it, or as the window opened.
+    /// The key bindings file was read.
     Keys {
-        /// What it says; nothing, if there is none.
+        /// Its text; empty if there is none.
         text: String,
-        /// Whether a person wants to know.
+        /// Whether the user asked for it, and it is to be confirmed.
         asked: bool,
     },
-    /// Something was done: a short message.
+    /// A task succeeded: a short message.
     Done(String),
-    /// Something could not be done: the whole message.
+    /// A task failed: the error.
     Failed(String),
-    /// The scene could not be written: the whole message.
+    /// The scene could not be written: the error.
     NotSaved(String),
-    /// Files of the scene have changed on the disk.
+    /// A file of the scene has changed on the disk.
     Changed(PathBuf),
-    /// A dialog was closed: with a path, by a person, or because the desktop has none.
+    /// A dialog has ended.
     Dialog(PromptKind, DialogAnswer),
 }
 
 /// How a desktop dialog ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DialogAnswer {
-    /// With paths.
+    /// The user chose paths.
     Paths(Vec<PathBuf>),
-    /// Without.
+    /// The user cancelled it.
     Cancelled,
-    /// It never came up.
+    /// The desktop has no dialogs.
     Unavailable,
 }
 
-/// A scene with what its file says about showing it.
+/// A scene with its file's camera and settings.
 #[derive(Debug)]
 pub struct Loaded {
     /// The scene.
     pub document: Document,
-    /// What stays of what was shown before.
+    /// What stays of the scene before.
     pub keep: Keep,
     /// The file's camera.
     pub camera: Option<CameraFile>,
-    /// What the file says of its picture.
+    /// The file's image settings.
     pub image: ImageSettings,
     /// The file's clipping planes.
     pub clip: ClippingPlanes,
-    /// What could be read only in part, to be told.
+    /// Warnings of files that could be read in part.
     pub notes: Vec<String>,
-    /// Files that could not be read at all, while others could.
+    /// Errors of files that could not be read, while others could.
     pub errors: Vec<String>,
 }
 
 impl Loaded {
-    /// A scene that was read whole, whose files say nothing about showing it.
+    /// A scene without warnings, whose files have neither camera nor settings.
     pub fn new(document: Document) -> Self {
         Self {
             document,
@@ -126,7 +126,7 @@ impl Loaded {
     }
 }
 
-/// Takes in news from another thread; `now` is the window's clock.
+/// Applies news from another thread; `now` is the window's clock.
 pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
     state.now = now;
     match news {
@@ -149,9 +149,10 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             errors.into_iter().for_each(|error| state.report(error));
             if let Some(document) = &mut state.document {
                 document.opened.extend(opened);
-                // Of two units neither is the scene's.
+                // Files with different units leave the scene without one.
                 document.unit = document.unit.filter(|own| unit == Some(*own));
             }
+            state.tell(what_was_added(state, &objects));
             return change(state, "Add", |state| {
                 objects::edit(state, |all| {
                     let shift = all.len();
@@ -175,7 +176,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Nothing => {}
         News::NotOpened(message) => {
             state.report(message);
-            // What was typed can be mended.
+            // The path can be corrected.
             if state.prompt.is_none() {
                 state.prompt = state.typed.take();
             }
@@ -206,7 +207,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 document.name = name.to_string_lossy().into_owned();
                 document.paths = vec![path.clone()];
-                // Each time: the watch is told anew, and knows the file as it is now.
+                // Also if it is listed already: a changed list makes the watch note the file's present state.
                 document.opened.push(path.clone());
                 document.file = Some(path.clone());
                 document.shading = Some(state.settings.shading);
@@ -244,13 +245,40 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
     None
 }
 
-/// Makes a change that undo takes back.
+/// Names what was added, with a hint where the view, which stays as it is, does not show all of it.
+fn what_was_added(state: &State, objects: &[Object]) -> String {
+    let added = match objects {
+        [one] => format!("Added {}", one.name),
+        _ => format!("Added {} objects", objects.len()),
+    };
+    let scene = Scene {
+        objects: objects.to_vec(),
+    };
+    let bounds = scene.bounds();
+    let Some(camera) = state.camera() else {
+        return added;
+    };
+    // Panoramas see all around.
+    let can_miss = camera.projection().panorama().is_none();
+    let (columns, rows) = state.size();
+    let is_seen = |corner| {
+        camera.project(corner).is_some_and(|(x, y)| {
+            (0.0..=f64::from(columns)).contains(&x) && (0.0..=f64::from(rows)).contains(&y)
+        })
+    };
+    match can_miss && !bounds.is_empty() && !bounds.corners().into_iter().all(is_seen) {
+        true => format!("{added}, not all of it in view: View, Fit shows everything"),
+        false => added,
+    }
+}
+
+/// Makes a change that can be undone.
 fn change(
     state: &mut State,
     name: &'static str,
     change: impl FnOnce(&mut State) -> Option<Effect>,
 ) -> Option<Effect> {
-    // A drag is a step of its own.
+    // A drag in progress becomes a step of its own.
     manipulator::release(state);
     let before = state.snapshot();
     let effect = change(state);
@@ -261,14 +289,14 @@ fn change(
     effect
 }
 
-/// What a desktop dialog says, if it is still being waited for.
+/// Handles the answer of a desktop dialog, if it is still awaited.
 fn answered(state: &mut State, kind: PromptKind, answer: DialogAnswer) -> Option<Effect> {
     let opens = |kind| matches!(kind, PromptKind::Open | PromptKind::Add);
     let prompt = state.prompt.as_mut();
     let prompt = prompt.filter(|p| p.kind == kind || (opens(p.kind) && opens(kind)))?;
     match answer {
         DialogAnswer::Paths(paths) => {
-            // The person may have said meanwhile that they come beside what is open.
+            // The choice between opening and adding may have changed meanwhile.
             let kind = prompt.kind;
             files::take(state, kind, paths, true)
         }
@@ -284,7 +312,7 @@ fn answered(state: &mut State, kind: PromptKind, answer: DialogAnswer) -> Option
     }
 }
 
-/// Puts a loaded scene on screen.
+/// Shows a loaded scene.
 fn show(state: &mut State, loaded: Loaded) {
     let Loaded {
         mut document,
@@ -371,10 +399,10 @@ fn show(state: &mut State, loaded: Loaded) {
     state.home = navigate::destination(state);
 }
 
-/// Gives objects that were read again what a person had changed about them, where they are the same
-/// objects: a scene file says all that itself.
+/// Carries the edits over to reloaded objects, if they are the same objects. Not for scene files, which define their
+/// objects themselves.
 ///
-/// What the meshes that the history knows have become; `None` where they are other objects.
+/// Returns the old meshes with their new versions, for the history; `None` if the objects are others.
 fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
     let numbers = last.as_read().filter(|_| document.file.is_none())?;
     let new = &document.scene.objects;
@@ -385,14 +413,14 @@ fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
     if !are_same {
         return None;
     }
-    // The old mesh is held, so that its address stays its own.
+    // The old mesh is kept alive, so that its address stays unique.
     let meshes = pairs
         .iter()
         .map(|(new, old)| (Arc::clone(&old.mesh), Arc::clone(&new.mesh)));
     let meshes: Renewed = meshes.collect();
     let objects = pairs.iter().map(|(new, old)| Object {
         mesh: Arc::clone(&new.mesh),
-        // Where the texture came with the mesh it is new as well.
+        // A texture that came with the mesh was reloaded as well.
         texture: match old.texture_source == new.texture_source {
             true => new.texture.clone(),
             false => old.texture.clone(),
@@ -402,12 +430,12 @@ fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
     let scene = Scene {
         objects: objects.collect(),
     };
-    // Objects that had been hidden or moved: the tree was built without that.
+    // The tree was built without the edits, such as hidden or moved objects.
     document.set_scene(Arc::new(scene));
     Some(meshes)
 }
 
-/// Shows the scene as a picture of it was made.
+/// Restores the camera and look of a recipe.
 fn apply(state: &mut State, recipe: &Recipe) {
     let plane = recipe.camera.plane();
     let projection = recipe.camera.projection();
@@ -437,7 +465,7 @@ fn apply(state: &mut State, recipe: &Recipe) {
     state.tell("Shown as that picture was made");
 }
 
-/// Drops toasts that were shown long enough; says when the next is due.
+/// Removes expired messages; returns the time until the next expires.
 pub fn expire_toasts(state: &mut State, now: Duration) -> Option<Duration> {
     const SHOWN: Duration = Duration::from_secs(5);
     state.toasts.retain(|toast| now < toast.since + SHOWN);

@@ -1,4 +1,4 @@
-//! Changes of the scene's objects, and what undo makes of them.
+//! Edits of the scene's objects.
 
 use super::State;
 use super::effect::Effect;
@@ -9,19 +9,64 @@ use super::turn::{Turning, axis_in, turned};
 use raycast_core::camera::{DEFAULT_FOV, Placement};
 use raycast_core::glam::DVec3;
 use raycast_core::ranges;
-use raycast_core::scene::{Object, Photograph, Scene, Transform};
+use raycast_core::scene::{Object, Photograph, Scene, Texture, Transform};
 use std::sync::Arc;
 
-/// Changes a copy of the list of objects, with the meshes shared; asks for a tree where the old one no longer
-/// holds.
+/// Edits a copy of the list of objects, with the meshes shared; requests a tree where the old one is no longer valid.
+/// An edit that changes nothing keeps the scene itself, so that there is nothing to undo or to save.
 pub(super) fn edit(state: &mut State, edit: impl FnOnce(&mut Vec<Object>)) -> Option<Effect> {
     let document = state.document.as_mut()?;
     let mut scene = Scene::clone(&document.scene);
     edit(&mut scene.objects);
+    let old = &document.scene.objects;
+    let is_same_list = scene.objects.len() == old.len()
+        && scene
+            .objects
+            .iter()
+            .zip(old)
+            .all(|(new, old)| is_same(new, old));
+    if is_same_list {
+        return None;
+    }
     set_scene(state, Arc::new(scene))
 }
 
-/// The same for each object.
+/// Whether two objects are equal; meshes and textures are compared by address.
+fn is_same(a: &Object, b: &Object) -> bool {
+    let Object {
+        name,
+        mesh,
+        transform,
+        parent,
+        color,
+        texture,
+        mapping,
+        blend_by,
+        source,
+        up_axis,
+        texture_source,
+        node,
+        visible,
+        shape,
+    } = a;
+    let address = |texture: &Option<Arc<Texture>>| texture.as_ref().map(Arc::as_ptr);
+    *name == b.name
+        && Arc::ptr_eq(mesh, &b.mesh)
+        && *transform == b.transform
+        && *parent == b.parent
+        && *color == b.color
+        && address(texture) == address(&b.texture)
+        && *mapping == b.mapping
+        && *blend_by == b.blend_by
+        && *source == b.source
+        && *up_axis == b.up_axis
+        && *texture_source == b.texture_source
+        && *node == b.node
+        && *visible == b.visible
+        && *shape == b.shape
+}
+
+/// Edits each object.
 pub(super) fn edit_each(
     state: &mut State,
     mut edit_one: impl FnMut(usize, &mut Object),
@@ -33,7 +78,7 @@ pub(super) fn edit_each(
     })
 }
 
-/// Changes one object, if it is there.
+/// Edits one object, if it exists.
 pub(super) fn edit_one(
     state: &mut State,
     which: usize,
@@ -48,7 +93,7 @@ pub(super) fn edit_one(
     })?
 }
 
-/// Whether an object may be changed; says so where it is locked.
+/// Whether an object may be edited; shows a message if it is locked.
 pub(super) fn is_free(state: &mut State, which: usize) -> bool {
     let is_free = !state.is_locked(which);
     if !is_free && let Some(document) = &state.document {
@@ -59,7 +104,7 @@ pub(super) fn is_free(state: &mut State, which: usize) -> bool {
     is_free
 }
 
-/// Changes one object, if it is there and free; all that are free, for `None`.
+/// Edits one object, if it exists and is not locked; all that are not locked, for `None`.
 pub(super) fn change(
     state: &mut State,
     which: Option<usize>,
@@ -79,7 +124,7 @@ pub(super) fn change(
     }
 }
 
-/// Takes the textures of the objects that `is_meant` for photographs from where the camera stands.
+/// Projects the textures of the objects that `is_meant` selects as photographs from the present camera.
 pub(super) fn take_photographs(
     state: &mut State,
     is_meant: impl Fn(&Object) -> bool,
@@ -107,7 +152,7 @@ pub(super) fn take_photographs(
     })
 }
 
-/// Locks an object, or unlocks it.
+/// Locks or unlocks an object.
 pub(super) fn lock(state: &mut State, which: usize, locked: bool) {
     if has(state, which) {
         let locks = Arc::make_mut(&mut state.locked);
@@ -116,7 +161,7 @@ pub(super) fn lock(state: &mut State, which: usize, locked: bool) {
     }
 }
 
-/// Puts an object elsewhere, if that is a place: no number is missing, and no axis is scaled to nothing.
+/// Sets an object's transform, if it is finite and scales no axis to zero.
 pub(super) fn set_transform(
     state: &mut State,
     which: usize,
@@ -129,14 +174,14 @@ pub(super) fn set_transform(
     change(state, Some(which), |object| object.transform = transform)
 }
 
-/// Turns an object about its middle.
+/// Rotates an object about the centre of its box.
 pub(super) fn turn(state: &mut State, which: usize, axis: usize) -> Option<Effect> {
     let Turning { degrees, own, .. } = state.turning;
     let scene = &state.document.as_ref()?.scene;
     let object = scene.objects.get(which)?;
     let mut axis = *DVec3::AXES.get(axis)?;
     if !own && let Some(parent) = object.parent {
-        axis = axis_in(scene.world_from_objects().ok()?.get(parent)?, axis);
+        axis = axis_in(&scene.world_from_object(parent).ok()?, axis);
     }
     let middle = object.mesh.bounds().center();
     let transform = turned(&object.transform, axis, own, degrees, middle);
@@ -152,7 +197,7 @@ fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
     let count = scene.objects.len();
     let document = state.document.as_mut()?;
     if document.scene.objects.len() != count {
-        // Numbers have changed hands.
+        // Indices now belong to other objects.
         state.picks = Picks::default();
         state.naming = None;
     }
@@ -168,7 +213,7 @@ fn set_scene(state: &mut State, scene: Arc<Scene>) -> Option<Effect> {
     state.selected.map(Effect::Weigh)
 }
 
-/// Puts the document back to what it was.
+/// Restores the document from a snapshot.
 pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     state.settings = to.settings;
     state.samples = to.samples;
@@ -184,7 +229,7 @@ pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     effect
 }
 
-/// Shows one object alone; all of them, if it is alone already.
+/// Isolates an object; shows all if it is isolated already.
 pub(super) fn isolate(state: &mut State, which: usize) -> Option<Effect> {
     if !has(state, which) {
         return None;
@@ -200,7 +245,7 @@ pub(super) fn isolate(state: &mut State, which: usize) -> Option<Effect> {
     })
 }
 
-/// Puts a copy behind an object in the list, and beside it in the scene, as far along x as it is wide.
+/// Duplicates an object: the copy is next in the list, and beside it in the scene along x.
 pub(super) fn duplicate(state: &mut State, which: usize) -> Option<Effect> {
     let object = state.document.as_ref()?.scene.objects.get(which)?;
     let mut copy = object.clone();
@@ -224,7 +269,7 @@ pub(super) fn duplicate(state: &mut State, which: usize) -> Option<Effect> {
         for other in objects.iter_mut() {
             other.parent = other.parent.map(|p| if p >= place { p + 1 } else { p });
         }
-        // Its own parent was counted before it came in.
+        // The copy's parent index dates from before it was inserted.
         copy.parent = copy.parent.map(|p| if p >= place { p + 1 } else { p });
         objects.insert(place, copy);
     });
@@ -232,7 +277,7 @@ pub(super) fn duplicate(state: &mut State, which: usize) -> Option<Effect> {
     effect
 }
 
-/// Takes an object away, and those that move with it.
+/// Deletes an object and its descendants.
 pub(super) fn delete(state: &mut State, which: usize) -> Option<Effect> {
     if !has(state, which) {
         return None;
@@ -240,7 +285,7 @@ pub(super) fn delete(state: &mut State, which: usize) -> Option<Effect> {
     let objects = &state.document.as_ref()?.scene.objects;
     let mut goes = vec![false; objects.len()];
     goes[which] = true;
-    // A parent may stand behind its children: until nothing more follows.
+    // A parent may come after its children in the list: repeat until nothing changes.
     loop {
         let more: Vec<usize> = (0..objects.len())
             .filter(|&i| !goes[i] && objects[i].parent.is_some_and(|p| goes[p]))

@@ -1,4 +1,4 @@
-//! Which objects move with which.
+//! Parents of objects.
 
 use super::State;
 use super::effect::Effect;
@@ -7,11 +7,11 @@ use super::turn::angles;
 use raycast_core::glam::{DAffine3, DMat3, DVec3};
 use raycast_core::scene::{Object, Transform};
 
-/// Lets an object move with another, or with none. It stays where it is, but for the rounding of angles to a
-/// thousand-millionth of a degree.
+/// Sets or removes an object's parent. The object keeps its place in the scene, except for angles rounded to 10⁻⁹
+/// degrees.
 ///
-/// Refused, with a message, where the parent would move with its own child, or is flat: then no transform of the
-/// child gives the place that it has.
+/// Refused with a message where this would make a cycle, or where the parent is scaled to nothing along an axis: then
+/// no transform of the child gives its present place.
 pub(super) fn set(state: &mut State, which: usize, parent: Option<usize>) -> Option<Effect> {
     let objects = &state.document.as_ref()?.scene.objects;
     let object = objects.get(which)?;
@@ -33,16 +33,16 @@ pub(super) fn set(state: &mut State, which: usize, parent: Option<usize>) -> Opt
     }
     let document = state.document.as_ref()?;
     let objects = &document.scene.objects;
-    let places = document.scene.world_from_objects().ok()?;
+    let world_from_object = document.scene.world_from_object(which).ok()?;
     let world_from_parent = match parent {
-        Some(parent) => *places.get(parent)?,
+        Some(parent) => document.scene.world_from_object(parent).ok()?,
         None => DAffine3::IDENTITY,
     };
     let transform = match world_from_parent == DAffine3::IDENTITY {
-        true => within(places[which], &objects[which]),
+        true => within(world_from_object, &objects[which]),
         false => {
             let parent_from_world = world_from_parent.inverse();
-            within(parent_from_world * places[which], &objects[which])
+            within(parent_from_world * world_from_object, &objects[which])
         }
     };
     if !transform.is_finite() {
@@ -57,10 +57,10 @@ pub(super) fn set(state: &mut State, which: usize, parent: Option<usize>) -> Opt
     })
 }
 
-/// Whether an object is `ancestor`, or moves with it.
+/// Whether an object is `ancestor` or one of its descendants.
 pub fn moves_with(objects: &[Object], which: usize, ancestor: usize) -> bool {
     let mut next = Some(which);
-    // No further than there are objects: a file may have a cycle.
+    // At most as many steps as there are objects: a file may have a cycle.
     for _ in 0..=objects.len() {
         match next {
             Some(object) if object == ancestor => return true,
@@ -71,8 +71,8 @@ pub fn moves_with(objects: &[Object], which: usize, ancestor: usize) -> bool {
     false
 }
 
-/// The transform of an object that gives this place. Where a move alone does, it stays a move: numbers that a person
-/// reads do not become a matrix.
+/// The transform that gives an object this placement. Where a translation, rotation and scale can express it they are
+/// used, and not a matrix: these are the numbers that a person edits.
 fn within(parent_from_object: DAffine3, object: &Object) -> Transform {
     let now = object.transform.parent_from_object();
     if now.matrix3 == parent_from_object.matrix3 {
@@ -98,7 +98,7 @@ fn within(parent_from_object: DAffine3, object: &Object) -> Transform {
     }
 }
 
-/// The angles and the factors that a map is made of; `None` where no such are.
+/// The rotation and scale of a map; `None` if it has a shear.
 fn without_shear(map: DMat3) -> Option<(DVec3, DVec3)> {
     let columns = [map.x_axis, map.y_axis, map.z_axis];
     let mut scale = DVec3::from_array(columns.map(DVec3::length));

@@ -1,4 +1,4 @@
-//! What a ray through a pixel meets.
+//! Picks: the hit of the ray through a pixel.
 
 use super::State;
 use super::document::Document;
@@ -7,19 +7,19 @@ use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::Color;
 use raycast_core::shade::texture_point;
 
-/// The triangle under a pixel.
+/// The hit of a ray through a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
-    /// Which, and where on it.
+    /// The object, the triangle, the distance and the barycentrics.
     pub hit: Hit,
     /// The point in world space.
     pub point: DVec3,
 }
 
-/// A pick with all that is known of its place. It stays what it was when the camera moves on.
+/// A pick with the values at its point, which stays when the camera moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pinned {
-    /// Which, and where.
+    /// The hit.
     pub pick: Pick,
     /// The object's name.
     pub object: String,
@@ -31,11 +31,11 @@ pub struct Pinned {
     pub uv: Option<Vec2>,
     /// The triangle's own colour.
     pub color: Color,
-    /// Whether its object has moved since: then the point is the same on the triangle, and no ray's.
+    /// Whether its object has moved since. The point then stays at its place on the triangle, where no ray has hit it.
     pub has_moved: bool,
 }
 
-/// A pixel of an image on an object.
+/// A texel at a pick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Texel {
     /// Its column in the image's file.
@@ -47,7 +47,7 @@ pub struct Texel {
 }
 
 impl Pinned {
-    /// What is known of a pick; `None` where the scene no longer has its triangle.
+    /// The values at a pick; `None` where the scene no longer has its triangle.
     pub fn of(document: &Document, pick: Pick) -> Option<Self> {
         let scene = &document.built;
         let Hit {
@@ -59,7 +59,7 @@ impl Pinned {
         } = pick.hit;
         let number = object as usize;
         let object = scene.objects.get(number)?;
-        let world_from_object = *scene.world_from_objects().ok()?.get(number)?;
+        let world_from_object = scene.world_from_object(number).ok()?;
         let offset = object.mesh.offset();
         let corners = object.mesh.corners(triangle)?;
         let corners =
@@ -80,7 +80,7 @@ impl Pinned {
         })
     }
 
-    /// The same in the scene as it is now: where its triangle has moved, the point has moved with it.
+    /// The same pick in the present scene: the point moves with its triangle.
     pub(super) fn renewed(&self, document: &Document) -> Option<Self> {
         let mut new = Self::of(document, self.pick)?;
         new.has_moved = self.has_moved || new.corners != self.corners;
@@ -94,7 +94,7 @@ impl Pinned {
 }
 
 impl State {
-    /// The texel that a pick's object has there by the mapping as it is; `None` where no image lies.
+    /// The texel at a pick under the present texture mapping; `None` where there is no image.
     pub fn texel(&self, pinned: &Pinned) -> Option<Texel> {
         let scene = &self.document.as_ref()?.built;
         let Hit {
@@ -108,8 +108,8 @@ impl State {
         let object = scene.objects.get(number)?;
         let texture = object.texture_on(triangle)?;
         let projection = self.settings.shading.projection;
-        let places = scene.world_from_objects().ok()?;
-        let point = texture_point(object, (triangle, [u, v]), projection, places.get(number)?)?;
+        let world_from_object = scene.world_from_object(number).ok()?;
+        let point = texture_point(object, (triangle, [u, v]), projection, &world_from_object)?;
         let (column, row) = texture.texel_at(point.x, point.y)?;
         let index = row as usize * texture.width() as usize + column as usize;
         let first = texture.crop().map_or((0, 0), |crop| (crop.x, crop.y));

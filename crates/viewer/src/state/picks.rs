@@ -1,12 +1,12 @@
-//! The list of what was clicked on.
+//! The list of picks.
 
 use super::document::Document;
 use super::pick::Pinned;
 
-/// The most picks that are kept at a time: each is drawn and listed in every frame.
+/// The most picks: each is drawn and listed in every frame.
 const LIMIT: usize = 1000;
 
-/// What was clicked on, in the order of the clicks; one of them is looked at.
+/// Picks in the order of the clicks; one of them is current.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picks {
     list: Vec<Pinned>,
@@ -20,24 +20,24 @@ impl Picks {
         &self.list
     }
 
-    /// The one that is looked at; `None` if there is none.
+    /// The current pick.
     pub fn current(&self) -> Option<&Pinned> {
         self.list.get(self.current)
     }
 
-    /// Its index in the list.
+    /// The current pick's index.
     pub fn current_index(&self) -> usize {
         self.current
     }
 
-    /// Lets go of all and keeps this one, if it is one.
+    /// Replaces all picks by this one, or by none.
     pub(super) fn set(&mut self, pinned: Option<Pinned>) {
         self.list.clear();
         self.list.extend(pinned);
         self.current = 0;
     }
 
-    /// Keeps one beside the others; `false` where there are too many.
+    /// Adds a pick; `false` where there are too many.
     pub(super) fn add(&mut self, pinned: Pinned) -> bool {
         let has_room = self.list.len() < LIMIT;
         if has_room {
@@ -47,21 +47,21 @@ impl Picks {
         has_room
     }
 
-    /// Looks at one of them.
+    /// Makes one the current pick.
     pub(super) fn choose(&mut self, index: usize) {
         if index < self.list.len() {
             self.current = index;
         }
     }
 
-    /// Lets go of one of them.
+    /// Removes one.
     pub(super) fn remove(&mut self, index: usize) {
         if index < self.list.len() {
             self.keep_each(|number, _| number != index);
         }
     }
 
-    /// Follows triangles to where they are now; what is no longer there goes.
+    /// Updates the picks to the present scene; those whose triangle no longer exists are removed.
     pub(super) fn renew(&mut self, document: &Document) {
         self.keep_each(|_, pinned| match pinned.renewed(document) {
             Some(renewed) => {
@@ -72,7 +72,7 @@ impl Picks {
         });
     }
 
-    /// Follows objects to their new numbers; what has none goes. Whether any number is another one.
+    /// Renumbers the picks' objects; those without a new index are removed. Returns whether any index changed.
     pub(super) fn renumber(&mut self, number: impl Fn(usize) -> Option<usize>) -> bool {
         let mut differs = false;
         self.keep_each(|_, pinned| {
@@ -85,7 +85,7 @@ impl Picks {
         differs
     }
 
-    /// Keeps those that are to be; what was looked at stays so, or the one after it, or the last.
+    /// Keeps some picks; the current one stays current, else the one after it, or the last.
     fn keep_each(&mut self, mut keep: impl FnMut(usize, &mut Pinned) -> bool) {
         let (mut number, mut before) = (0, 0);
         let current = self.current;

@@ -1,10 +1,10 @@
-//! Size, step and frame: two of three, and what follows.
+//! Size, step and frame: two of the three determine the third.
 
 use super::viewpoint::fov_range;
 use super::{Resolution, State, TILES_LIMIT, WINDOW_PIXELS};
 use raycast_core::camera::{FrameLock, Grid, ImagePlane, Projection};
 
-/// Another step: the lock says whether resolution or frame follows.
+/// Sets the step; the lock says whether resolution or frame follows.
 pub(super) fn set_step(state: &mut State, step: f64) {
     let Ok(plane) = state.plane() else {
         return;
@@ -15,10 +15,10 @@ pub(super) fn set_step(state: &mut State, step: f64) {
     }
 }
 
-/// A step so many times as long.
+/// Multiplies the step.
 pub(super) fn scale_step(state: &mut State, factor: f64) {
     match (state.lock, state.resolution) {
-        // The density takes it all, without rounding: back again is where it came from.
+        // The density changes without rounding, so that the inverse factor restores it.
         (FrameLock::KeepFrame, Resolution::Window { density }) if factor.is_normal() => {
             let least = 1.0 / f64::from(state.viewport.0.min(state.viewport.1).max(1));
             let density = (density / factor).max(least);
@@ -32,7 +32,7 @@ pub(super) fn scale_step(state: &mut State, factor: f64) {
     }
 }
 
-/// Makes `next` the picture's plane.
+/// Sets the picture's plane.
 fn take_plane(state: &mut State, last: ImagePlane, next: ImagePlane) {
     if (last.columns, last.rows) != (next.columns, next.rows) {
         let resolution = match state.resolution {
@@ -48,7 +48,7 @@ fn take_plane(state: &mut State, last: ImagePlane, next: ImagePlane) {
     set_frame(state, next.frame_height());
 }
 
-/// A frame of another height at the target: by the field of view, or the orthographic scale.
+/// Sets the frame's height at the target, by the field of view or the orthographic scale.
 pub(super) fn set_frame(state: &mut State, height: f64) {
     if !(height.is_normal() && height > 0.0) {
         return;
@@ -67,7 +67,7 @@ pub(super) fn set_frame(state: &mut State, height: f64) {
     }
 }
 
-/// Takes a resolution if the window can show it; says so if not.
+/// Sets a resolution if the window can show it; shows a message if not.
 pub(super) fn set_resolution(state: &mut State, resolution: Resolution) -> bool {
     let (columns, rows) = match resolution {
         Resolution::Fixed(columns, rows) => (f64::from(columns), f64::from(rows)),
@@ -90,7 +90,7 @@ pub(super) fn set_resolution(state: &mut State, resolution: Resolution) -> bool 
     true
 }
 
-/// A grid with no more tiles than the window can keep track of.
+/// Limits a grid to the number of tiles that the window can handle.
 pub(super) fn limited(grid: Grid, (columns, rows): (u32, u32)) -> Grid {
     match grid {
         Grid::Size(size) => {

@@ -1,4 +1,4 @@
-//! How a person likes to work: kept from one session to the next, never part of a scene.
+//! The user's preferences: stored between sessions, never part of a scene.
 
 use raycast_core::formats::LengthUnit;
 use std::path::{Path, PathBuf};
@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 const MOST_RECENT: usize = 12;
 /// The most files whose views are remembered.
 const MOST_WITH_VIEWS: usize = 100;
-/// The smallest and the largest interface, as a factor.
+/// The least and the greatest scale of the interface.
 pub const SCALE_RANGE: (f32, f32) = (0.5, 4.0);
 
-/// Light or dark.
+/// Light or dark panels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {
-    /// As the desktop has it.
+    /// That of the desktop.
     #[default]
     System,
     /// Dark panels.
@@ -25,35 +25,35 @@ pub enum Theme {
 /// What drags of the mouse do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mouse {
-    /// Left orbits; right, middle and Shift with left pan.
+    /// Left drag orbits; right, middle and Shift+left drag pan.
     #[default]
     Viewer,
-    /// As in Blender: middle orbits, with Shift it pans, with Ctrl it zooms.
+    /// As in Blender: middle drag orbits, with Shift it pans, with Ctrl it zooms.
     Blender,
-    /// As in many CAD programs: right orbits, middle pans.
+    /// As in many CAD programs: right drag orbits, middle drag pans.
     Cad,
 }
 
-/// The settings of the program.
+/// The preferences.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preferences {
-    /// Light or dark.
+    /// Light or dark panels.
     pub theme: Theme,
-    /// How large the interface is; 1 is what the desktop asks for.
+    /// The scale of the interface; 1 is the desktop's.
     pub scale: f32,
     /// What drags of the mouse do.
     pub mouse: Mouse,
-    /// Whether the camera takes its time from one view to another.
+    /// Whether the camera moves smoothly between views.
     pub smooth: bool,
-    /// Whether a picture that stands still gets more samples by itself.
+    /// Whether still pictures get more samples.
     pub refine: bool,
-    /// Whether files that change are read again.
+    /// Whether files are reloaded when they change.
     pub watch: bool,
-    /// In which unit lengths are told; in that of the files, for `None`.
+    /// The unit in which lengths are shown; `None` for that of the files.
     pub unit: Option<LengthUnit>,
     /// Files that were opened, newest first.
     pub recent: Vec<PathBuf>,
-    /// Views that were kept, as options of the command line: for each file, the newest first.
+    /// Bookmarks as options of the command line, for each file, the most recent file first.
     pub views: Vec<(PathBuf, Vec<String>)>,
 }
 
@@ -74,7 +74,7 @@ impl Default for Preferences {
 }
 
 impl Preferences {
-    /// Remembers the views of a file in place of others.
+    /// Stores the bookmarks of a file.
     pub fn keep_views(&mut self, file: &Path, views: Vec<String>) {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
         self.views.retain(|(other, _)| *other != file);
@@ -84,7 +84,7 @@ impl Preferences {
         self.views.truncate(MOST_WITH_VIEWS);
     }
 
-    /// The views that are remembered for a file.
+    /// The stored bookmarks of a file.
     pub fn views_of(&self, file: &Path) -> &[String] {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
         let mut all = self.views.iter();
@@ -92,7 +92,7 @@ impl Preferences {
             .map_or(&[], |(_, views)| views)
     }
 
-    /// Puts a file at the front of those opened.
+    /// Puts a file at the front of the recent ones.
     pub fn remember(&mut self, file: &Path) {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
         self.recent.retain(|other| *other != file);

@@ -1,4 +1,4 @@
-//! What follows objects when they get other numbers.
+//! Updating the state when objects get other indices.
 
 use super::State;
 use super::picks::Picks;
@@ -36,7 +36,7 @@ pub(super) fn number_after(before: &[Object], after: &[Object], number: usize) -
     let mut others = (0..after.len()).filter(|&other| is_it(&after[other]));
     match (others.next(), others.next()) {
         (Some(other), None) => Some(other),
-        // It has another name.
+        // It was renamed.
         (None, _) if before.len() == after.len() && has_mesh(&after[number]) => Some(number),
         _ => None,
     }

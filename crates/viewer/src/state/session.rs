@@ -1,20 +1,20 @@
-//! What is never kept: questions, messages, lines to type in.
+//! State that is never stored: questions, messages, text fields.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What a path is asked for.
+/// The purpose of a requested path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PromptKind {
     /// Meshes or a scene to open.
     Open,
-    /// Meshes or a scene to put beside what is open.
+    /// Meshes or a scene to add.
     Add,
     /// Where to save the picture.
     Picture,
     /// Where to save the scene.
     Scene,
-    /// Where to save what was measured.
+    /// Where to save the measurements.
     Measurements,
     /// Where to save the outline that this clipping plane cuts.
     Outline(usize),
@@ -37,65 +37,65 @@ impl PromptKind {
 /// A line for a path, shown over the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prompt {
-    /// What the path is for.
+    /// Its purpose.
     pub kind: PromptKind,
-    /// What was typed so far.
+    /// Its text.
     pub text: String,
     /// Whether a desktop dialog is open as well.
     pub dialog: bool,
 }
 
-/// What would give up changes that no file has.
+/// An action that would lose unsaved changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Pending {
-    /// Files to open.
+    /// Opening files.
     Open(Vec<PathBuf>),
-    /// A hard case to open.
+    /// Opening a hard case.
     Case(&'static str),
-    /// A neighbour to open.
+    /// Opening a neighbour in the folder.
     Neighbor(i32),
-    /// Reading what is open again.
+    /// Reloading the scene.
     Reload,
-    /// Copying the picture as a command.
+    /// Copying the command that makes the picture, for which the scene must be saved.
     CopyCommand,
     /// Closing the window.
     Close,
 }
 
-/// What a person says about changes that no file has.
+/// An answer to the question about unsaved changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// Save them first.
     Save,
-    /// They may go.
+    /// Discard them.
     Discard,
-    /// Stay with them.
+    /// Cancel the action.
     Stay,
 }
 
-/// A file that would be replaced, while the person is asked whether it may.
+/// An existing file that the user is asked about replacing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Replacing {
     /// Which.
     pub path: PathBuf,
-    /// By what: a picture, a scene, measurements or an outline.
+    /// What replaces it: a picture, a scene, measurements or an outline.
     pub by: PromptKind,
 }
 
-/// The list of all commands, while it is open.
+/// The open command palette.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Palette {
-    /// What was typed.
+    /// Its text.
     pub text: String,
-    /// Which of what is left is marked.
+    /// The selected line among those that match.
     pub marked: usize,
 }
 
-/// A short message that goes by itself.
+/// A short message that disappears by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Toast {
-    /// What it says.
+    /// Its text.
     pub text: String,
-    /// When it came, on the window's clock.
+    /// When it was shown, on the window's clock.
     pub since: Duration,
 }

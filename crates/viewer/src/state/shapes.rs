@@ -1,9 +1,9 @@
-//! Cubes, balls and their kind, put in and changed by numbers.
+//! Adding shapes, and changing their parameters.
 
 use super::State;
 use super::effect::Effect;
 use super::objects;
-use raycast_core::glam::{DVec2, DVec3};
+use raycast_core::glam::DVec3;
 use raycast_core::scene::{Mesh, Object, Shape};
 use std::sync::Arc;
 
@@ -12,41 +12,7 @@ use std::sync::Arc;
 /// may have more.
 const MOST_TRIANGLES: u64 = 1 << 14;
 
-const SEGMENTS: u32 = 64;
-const RINGS: u32 = 32;
-
-/// Shapes to put in, as scene files have them where they say no number.
-pub const SHAPES: [Shape; 7] = [
-    Shape::Cube { size: DVec3::ONE },
-    Shape::Plane { size: DVec2::ONE },
-    Shape::Sphere {
-        radius: 1.0,
-        segments: SEGMENTS,
-        rings: RINGS,
-    },
-    Shape::Cone {
-        radius: 1.0,
-        height: 1.0,
-        segments: SEGMENTS,
-    },
-    Shape::Cylinder {
-        radius: 1.0,
-        height: 1.0,
-        segments: SEGMENTS,
-    },
-    Shape::Torus {
-        radius: 1.0,
-        tube: 0.25,
-        segments: SEGMENTS,
-        rings: RINGS,
-    },
-    Shape::Disc {
-        radius: 1.0,
-        segments: SEGMENTS,
-    },
-];
-
-/// Puts a shape where one orbits about, a round share of the scene large, behind the other objects.
+/// Adds a shape at the pivot, last in the list, of a round size near a tenth of the scene's.
 pub(super) fn add(state: &mut State, shape: Shape) -> Option<Effect> {
     let mesh = mesh(state, &shape)?;
     let objects = &state.document.as_ref()?.scene.objects;
@@ -65,7 +31,7 @@ pub(super) fn add(state: &mut State, shape: Shape) -> Option<Effect> {
     effect
 }
 
-/// Gives an object that is a shape other numbers.
+/// Changes the parameters of an object that is a shape.
 pub(super) fn set(state: &mut State, which: usize, shape: Shape) -> Option<Effect> {
     let object = state.document.as_ref()?.scene.objects.get(which)?;
     object.shape?;
@@ -79,7 +45,7 @@ pub(super) fn set(state: &mut State, which: usize, shape: Shape) -> Option<Effec
     })
 }
 
-/// Its mesh, if it is one that is made here; says so otherwise.
+/// Its mesh; `None`, with a message, if it has too many triangles.
 fn mesh(state: &mut State, shape: &Shape) -> Option<Arc<Mesh>> {
     if shape.check().is_ok() && shape.triangles() > MOST_TRIANGLES {
         state.tell("More triangles than a shape is given here: a scene file can");
@@ -89,7 +55,7 @@ fn mesh(state: &mut State, shape: &Shape) -> Option<Arc<Mesh>> {
     Some(Arc::new(Mesh::new(mesh)))
 }
 
-/// The nearest of …, 0.1, 0.2, 0.5, 1, … that is no larger.
+/// The greatest of …, 0.1, 0.2, 0.5, 1, … that is not above a length.
 fn round(length: f64) -> f64 {
     if !length.is_normal() || length < 0.0 {
         return 1.0;
@@ -111,7 +77,7 @@ mod tests {
 
     #[test]
     fn every_shape_is_made_and_small_enough() {
-        for shape in SHAPES {
+        for shape in Shape::ALL {
             assert_eq!(shape.check(), Ok(()));
             assert!(shape.triangles() <= MOST_TRIANGLES);
         }

@@ -1,17 +1,17 @@
-//! Turning an object: angles that follow a turn about one of its own axes or the scene's.
+//! Rotating an object about one of its own axes or the scene's, with its rotation kept as three angles.
 
 use raycast_core::glam::{DAffine3, DMat3, DVec3};
 use raycast_core::math;
 use raycast_core::scene::Transform;
 
-/// How far an object is turned at a time, and about whose axes.
+/// By how much, and about whose axes, objects are rotated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
-    /// In degrees.
+    /// The angle in degrees.
     pub degrees: f64,
-    /// Whether about the object's own axes, or else the scene's.
+    /// Whether the axes are the object's own rather than the scene's.
     pub own: bool,
-    /// Whether a change of one factor of its scale changes the others alike.
+    /// Whether the factors of a scale change together.
     pub keeps_shape: bool,
 }
 
@@ -25,10 +25,10 @@ impl Default for Turning {
     }
 }
 
-/// A transform turned by so many degrees about `axis`, a unit vector in the parent's space, or in the object's
-/// where it is its `own`. The point `middle`, in the object's space, stays where it is.
+/// A transform rotated by so many degrees about `axis`, a unit vector in the parent's space, or in the object's if
+/// `own`. The point `middle`, in the object's space, is the centre of rotation.
 ///
-/// A mirrored axis (a negative scale) is no turn, and none of its business.
+/// A negative scale stays: mirroring is no rotation.
 pub fn turned(
     transform: &Transform,
     axis: DVec3,
@@ -51,8 +51,8 @@ pub fn turned(
     next
 }
 
-/// An axis of the scene in the space of a parent, which has `world_from_parent`. Exact where that is a rotation
-/// with one factor for all axes; else the nearest to it that a turn can be about.
+/// A world axis in the space of a parent. Exact where `world_from_parent` is a rotation with a uniform scale; otherwise
+/// the direction that is mapped to that axis.
 pub fn axis_in(world_from_parent: &DAffine3, axis: DVec3) -> DVec3 {
     let inner = world_from_parent.matrix3.inverse() * axis;
     inner.try_normalize().unwrap_or(axis)
@@ -91,11 +91,12 @@ fn about(axis: DVec3, degrees: f64) -> DMat3 {
     )
 }
 
-/// The angles about x, then y, then z in degrees that a rotation is made of (Shoemake, "Euler Angle
-/// Conversion", Graphics Gems IV, 1994). Where y is a right angle only the sum or difference of the two others counts: x is then zero.
+/// The angles about x, then y, then z in degrees of a rotation (Shoemake, "Euler Angle Conversion", Graphics Gems IV,
+/// 1994). Where y is a right angle only the sum or difference of the two others is determined: x is then zero.
 pub(super) fn angles(m: DMat3) -> DVec3 {
     let across = (m.x_axis.x * m.x_axis.x + m.x_axis.y * m.x_axis.y).sqrt();
-    // Rounding leaves some 1e-14 of a degree: a turn by 90 is to read 90, and nobody turns by less than this.
+    // Rounding leaves some 1e-14 of a degree: a rotation by 90 is to read 90, and this is below any angle that is
+    // entered.
     let tidy = |radians: f64| (radians.to_degrees() * 1e9).round() * 1e-9 + 0.0;
     let y = tidy(math::atan2(-m.x_axis.z, across));
     // Entries are off by some 2⁻⁵²: a cosine within a few of these of zero is that of a right angle.
@@ -104,7 +105,7 @@ pub(super) fn angles(m: DMat3) -> DVec3 {
     } else {
         0.0
     };
-    // What is left once x is taken back: near the right angle x is ill-conditioned, and this makes up for it.
+    // What remains after the rotation about x is undone: near the right angle x is ill-conditioned, and z compensates.
     let (sin, cos) = math::sin_cos(x.to_radians());
     let left = m.y_axis * cos - m.z_axis * sin;
     DVec3::new(x, y, tidy(math::atan2(-left.x, left.y)))

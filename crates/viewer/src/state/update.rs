@@ -1,4 +1,4 @@
-//! The one place that carries commands out.
+//! The one place that executes commands.
 
 use super::command::Command;
 use super::effect::Effect;
@@ -16,11 +16,11 @@ use raycast_core::shade::{Mode, TextureProjection, Wireframe};
 
 pub use super::names::suggested_name;
 
-/// Carries out one command. What changes the document can be undone.
+/// Executes a command. Changes of the document can be undone.
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let edit = command.edit();
     let is_step = edit.is_some() || matches!(command, Command::Undo | Command::Redo);
-    // A drag is one step of its own.
+    // A drag in progress becomes a step of its own.
     let released = match is_step && state.manipulating.drag.is_some() {
         true => manipulator::release(state),
         false => None,
@@ -121,7 +121,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
 
         Command::SetMode(mode) => {
             let shading = &mut state.settings.shading;
-            // Grey on grey tells little: depth begins in colors.
+            // Depth in greys on grey is hard to read: it starts with a color map.
             if mode == Mode::Depth && shading.mode != Mode::Depth {
                 shading.scale.get_or_insert_default();
             }
@@ -348,7 +348,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::DropPicture(path) => {
             state.prompt = None;
-            // Nothing is opened in place of what would be lost.
+            // With unsaved changes no other scene is searched for: it would replace this one.
             let among = match state.has_unsaved() {
                 true => Vec::new(),
                 false => state.preferences.recent.clone(),
@@ -402,7 +402,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
     None
 }
 
-/// Says why there are no handles where a person has asked for them.
+/// Shows a message if the requested handles cannot be shown.
 fn tell_of_handles(state: &mut State) {
     let why = if state.selected.is_none() {
         "Mark an object, in the list or by a click: its handles appear"
@@ -414,7 +414,7 @@ fn tell_of_handles(state: &mut State) {
     state.tell(why);
 }
 
-/// Moves what moves by itself on to the present; whether anything still does.
+/// Advances smooth motion; returns whether it goes on.
 pub fn advance(state: &mut State) -> bool {
     navigate::advance(state)
 }
@@ -429,7 +429,7 @@ fn wireframe(state: &mut State) -> &mut Wireframe {
     shading.wireframe.get_or_insert(usual)
 }
 
-/// Closes what lies on top.
+/// Closes the topmost of what is open.
 fn dismiss(state: &mut State) {
     if state.palette.is_some() {
         state.palette = None;
@@ -464,9 +464,9 @@ fn dismiss(state: &mut State) {
     }
 }
 
-/// Marks the object of the pick that is looked at.
+/// Selects the object of the current pick.
 fn select_picked(state: &mut State) -> Option<Effect> {
-    // While a tree is being built, its numbers are not yet the list's.
+    // While a tree is being built, its indices are those before the edit.
     let document = state.document.as_ref()?;
     let pinned = state.picks.current().filter(|_| document.is_built());
     state.selected = pinned.map(|pinned| pinned.pick.hit.object as usize);

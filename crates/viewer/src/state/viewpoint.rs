@@ -1,4 +1,4 @@
-//! Where a scene is seen from.
+//! The viewpoint: where a scene is seen from.
 
 pub use raycast_core::camera::DEFAULT_FOV;
 use raycast_core::camera::{Orbit, Panorama, Placement, Projection, fov_to_frame, frame_to_fov};
@@ -11,7 +11,7 @@ pub fn fov_range(projection: Projection) -> (f64, f64) {
     (0.1, projection.panorama().map_or(170.0, Panorama::most_fov))
 }
 
-/// Room left around a scene that fits the picture, as a share of the frame.
+/// The margin around a fitted scene, as a share of the frame.
 const MARGIN: f64 = 1.05;
 
 /// Where a scene is seen from, and how: all that navigation changes.
@@ -21,14 +21,14 @@ pub struct Viewpoint {
     pub orbit: Orbit,
     /// Degrees that the camera is rolled to the right about its view axis.
     pub roll: f64,
-    /// How rays leave it.
+    /// The projection.
     pub projection: Projection,
     /// The vertical field of view in degrees. An orthographic frame is as high as this makes it at
     /// the orbit's distance, so that switching the projection keeps the picture.
     pub fov: f64,
 }
 
-/// A direction that scenes are commonly looked at from: +Y is up, and the front looks along −Z.
+/// A standard view: +Y is up, and the front view looks along −Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardView {
     /// From +Z.
@@ -93,7 +93,7 @@ impl Viewpoint {
         let (narrowest, widest) = fov_range(camera.projection);
         let mut viewpoint = Self {
             orbit,
-            // What rounding makes of an upright camera is no roll.
+            // A roll of the size of rounding errors is none.
             roll: if roll.abs() < 1e-6 || !roll.is_finite() {
                 0.0
             } else {
@@ -103,7 +103,7 @@ impl Viewpoint {
             fov: fov.clamp(narrowest, widest),
         };
         if camera.projection == Projection::Orthographic {
-            // A frame that no field of view in range makes from there: from elsewhere one does.
+            // No field of view in range gives this frame from this distance: another distance does.
             let frame = fov_to_frame(viewpoint.fov, viewpoint.orbit.distance);
             viewpoint.orbit.distance *= camera.frame / frame;
         }
@@ -149,25 +149,25 @@ impl Viewpoint {
         self.projection.frame(self.fov, self.orbit.distance)
     }
 
-    /// Half the height of the part of the frame that a scene is to fill, one unit before the eye.
+    /// Half the height, one unit in front of the eye, of the part of the frame that a fitted scene fills.
     pub fn slope(&self) -> f64 {
         let fov = self.projection.fitting_fov(self.fov);
         math::tan(fov.to_radians() * 0.5)
     }
 
-    /// This, turned to a direction and upright.
+    /// The same viewpoint without roll, seen from a direction.
     pub fn turned_to(mut self, (yaw, pitch): (f64, f64)) -> Self {
         (self.orbit.yaw, self.orbit.pitch) = (yaw, pitch);
         self.roll = 0.0;
         self
     }
 
-    /// The nearest viewpoint of this direction and lens that looks at `center` and has a scene in view.
-    /// `support` says how far the scene reaches in a direction: the largest dot product of a point with it.
+    /// The nearest viewpoint with this direction and lens that looks at `center` and has the whole scene in view.
+    /// `support` is the scene's support function: the largest dot product of a point with a direction.
     /// `aspect` is the picture's width over its height.
     ///
-    /// What is seen counts, not a box around it: some point is as near to a side of the frame as the margin
-    /// allows. A scene that is a point, or none, is looked at from one unit away.
+    /// The fit is tight: some point is as near to a side of the frame as the margin allows. An empty scene, or one that
+    /// is a point, is seen from one unit away.
     pub fn fitted(
         mut self,
         center: DVec3,
@@ -199,8 +199,8 @@ impl Viewpoint {
         self
     }
 
-    /// What lies between this (0) and another (1): angles the short way round, distances by their
-    /// logarithm. At 1 it is the other, unrounded.
+    /// Interpolates from this viewpoint (0) to another (1): angles the short way round, distances by their logarithm.
+    /// At 1 the result is exactly the other.
     pub fn towards(&self, other: &Self, share: f64) -> Self {
         if share >= 1.0 {
             return *other;
@@ -218,7 +218,7 @@ impl Viewpoint {
             },
             roll: turned(self.roll, other.roll),
             projection: other.projection,
-            // Degrees of one kind of picture may be impossible in another.
+            // A field of view of one projection may be out of range in another.
             fov: match self.projection.panorama() == other.projection.panorama() {
                 true => between(self.fov, other.fov),
                 false => other.fov,
@@ -227,7 +227,7 @@ impl Viewpoint {
     }
 }
 
-/// The same turn by no more than half a circle.
+/// The equivalent angle within half a turn.
 fn shortest(degrees: f64) -> f64 {
     (degrees + 180.0).rem_euclid(360.0) - 180.0
 }

@@ -1,4 +1,4 @@
-//! The picture as the window holds it: pixels in memory, and their copy on the graphics side.
+//! The picture in the window: its pixels in memory, and their copy in graphics memory.
 
 mod surface;
 
@@ -12,21 +12,21 @@ use std::sync::Arc;
 use std::time::Duration;
 use surface::Surface;
 
-/// What is known of one tile of the picture.
+/// A tile of the picture on screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileNote {
     /// Its statistics in the last pass that it was in.
     pub stats: TileStats,
-    /// Its place in that pass's order of arrival, from zero.
+    /// Its number in that pass's order of arrival, from zero.
     pub order: u32,
-    /// What it shows, if that is nothing but what lies behind everything.
+    /// The background, if it shows nothing else.
     empty: Option<Background>,
 }
 
 impl TileNote {
     fn new(arrival: &Arrival, background: Background) -> Self {
         let stats = arrival.tile.stats;
-        // Between the rays of coarse passes, and between samples, other colours come about.
+        // Interpolation between the rays of coarse passes, and between samples, makes other colours.
         let plain = arrival.pass.stride == 1 && arrival.pass.samples == 1;
         Self {
             stats,
@@ -36,7 +36,7 @@ impl TileNote {
     }
 }
 
-/// How far the picture is.
+/// The picture's progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureProgress {
     /// The pass of the newest tile.
@@ -45,13 +45,13 @@ pub struct PictureProgress {
     pub report: Option<PassReport>,
     /// Rays of all finished passes.
     pub rays: u64,
-    /// Whether nothing is left to do.
+    /// Whether the picture is complete.
     pub complete: bool,
-    /// From the request until now, or until it was complete.
+    /// The time from the request until now, or until completion.
     pub elapsed: Duration,
 }
 
-/// Pixels, what is known of the tiles, and the texture.
+/// The picture's pixels, tiles and texture.
 #[derive(Default)]
 pub struct Canvas {
     surface: Surface,
@@ -60,12 +60,12 @@ pub struct Canvas {
     notes: Vec<Option<TileNote>>,
     progress: PictureProgress,
     legend: Option<Arc<Legend>>,
-    /// Counts changes of the notes, for who draws them.
+    /// Counts changes of the tiles' notes, for overlays that are kept between frames.
     pub notes_version: u64,
 }
 
 impl Canvas {
-    /// A canvas that copies its picture to the window where it can.
+    /// A canvas that copies its pixels to the window by the presenter, if there is one.
     pub fn with_presenter(presenter: Option<Presenter>) -> Self {
         Self {
             surface: Surface::with_presenter(presenter),
@@ -73,27 +73,27 @@ impl Canvas {
         }
     }
 
-    /// Columns and rows of what is shown; zero before the first picture.
+    /// The picture's columns and rows; zero before the first picture.
     pub fn size(&self) -> (u32, u32) {
         self.surface.size()
     }
 
-    /// Which request the picture is of.
+    /// The number of the picture's request.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// What its colours stand for.
+    /// The picture's legend.
     pub fn legend(&self) -> Option<&Arc<Legend>> {
         self.legend.as_ref()
     }
 
-    /// How far it is.
+    /// The picture's progress.
     pub fn progress(&self) -> PictureProgress {
         self.progress
     }
 
-    /// The tiles and what is known of each.
+    /// The tiles and their notes.
     pub fn notes(&self) -> impl ExactSizeIterator<Item = (Rect, Option<TileNote>)> {
         self.layout
             .tiles
@@ -102,7 +102,7 @@ impl Canvas {
             .zip(self.notes.iter().copied())
     }
 
-    /// Forgets the picture: another scene is coming, and nothing older than `generation` is shown.
+    /// Clears the picture before another scene: nothing older than `generation` is shown from now on.
     pub fn clear(&mut self, generation: u64) {
         self.generation = generation;
         self.surface.clear();
@@ -110,8 +110,8 @@ impl Canvas {
         self.progress = PictureProgress::default();
     }
 
-    /// Takes in what workers sent. Older pictures than the one shown are ignored, and so are tiles
-    /// that do not fit.
+    /// Stores tiles from the workers. Tiles of pictures older than the one on screen, and tiles that do not fit, are
+    /// ignored.
     pub fn take_in(&mut self, batch: Batch) {
         if batch.generation < self.generation {
             return;
@@ -131,7 +131,7 @@ impl Canvas {
                 continue;
             };
             let mut new = TileNote::new(&arrival, batch.background);
-            // A legend may lie over what lies behind everything.
+            // A legend may lie over the background.
             if self
                 .legend
                 .as_ref()
@@ -140,7 +140,7 @@ impl Canvas {
                 new.empty = None;
             }
             let empty = note.and_then(|note| note.empty);
-            // A moving camera sees much of nothing, which stays as it is.
+            // Background that stays the same while the camera moves need not be copied.
             let is_new = empty.is_none() || empty != new.empty;
             if is_new && !self.surface.put(&arrival.tile) {
                 continue;
@@ -157,20 +157,19 @@ impl Canvas {
         self.notes_version += 1;
     }
 
-    /// What shows the picture by copying its pixels as they are over `rect`, which is of their number;
-    /// `None` where the window has no such way. To be followed by [`Canvas::hand_over`].
+    /// The paint callback that copies the picture's pixels unscaled to `rect`, which has the same size; `None` without
+    /// a presenter. [`Canvas::hand_over`] must follow.
     pub fn copy_to(&mut self, rect: egui::Rect) -> Option<egui::Shape> {
         self.surface.copy_to(rect)
     }
 
-    /// The texture that shows the picture, of its size: brought up to date by [`Canvas::hand_over`].
-    /// `None` before the first picture.
+    /// The texture with the picture, which [`Canvas::hand_over`] updates. `None` before the first picture.
     pub fn texture(&mut self, context: &egui::Context) -> Option<egui::TextureId> {
         self.surface.texture(context)
     }
 
-    /// Hands the picture over, with what has come since it was put into this frame: the last thing
-    /// before the frame is painted.
+    /// Hands over the picture with all tiles that arrived since it was laid out: the last step before the frame is
+    /// painted.
     pub fn hand_over(&mut self) {
         self.surface.hand_over();
     }

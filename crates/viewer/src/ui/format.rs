@@ -1,11 +1,11 @@
-//! Numbers as people read them: thousands apart, units by size.
+//! Numbers for people: groups of thousands, and units by size.
 
 use std::time::Duration;
 
-/// Between thousands. It does not break, so that a number stays on its line.
+/// The separator of thousands: a no-break space, so that a number stays on one line.
 const GAP: char = '\u{a0}';
 
-/// A written number with its thousands apart: `-1234567.25` becomes `-1 234 567.25`.
+/// Groups a number's digits by thousands: `-1234567.25` becomes `-1 234 567.25`.
 pub fn group(number: &str) -> String {
     let digits = number.trim_start_matches('-');
     let whole = digits
@@ -25,7 +25,7 @@ pub fn group(number: &str) -> String {
     grouped
 }
 
-/// Reads what [`group`] wrote, and what people type.
+/// Reads a number as [`group`] writes it, or as people type it.
 pub fn parse(text: &str) -> Option<f64> {
     let plain: String = text
         .chars()
@@ -74,7 +74,7 @@ pub fn bytes(bytes: usize) -> String {
     }
 }
 
-/// Three digits that count: `1.24`, `38.1`, `412`.
+/// Three significant digits: `1.24`, `38.1`, `412`.
 pub fn three(number: f64) -> String {
     match number.abs() {
         99.95.. => group(&format!("{number:.0}")),
@@ -83,7 +83,7 @@ pub fn three(number: f64) -> String {
     }
 }
 
-/// A length in scene units: five digits that count, with a power of ten where that is shorter.
+/// A length in scene units: five significant digits, with a power of ten where that is shorter.
 pub fn length(number: f64) -> String {
     if number == 0.0 {
         return "0".to_owned();
@@ -96,7 +96,7 @@ pub fn length(number: f64) -> String {
     group(&format!("{number:.decimals$}"))
 }
 
-/// A length in little room: four digits that count, none of them a zero at the end.
+/// A length in less room: four significant digits without trailing zeros.
 pub fn short(number: f64) -> String {
     if number == 0.0 {
         return "0".to_owned();

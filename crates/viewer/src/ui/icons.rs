@@ -9,7 +9,7 @@ fn family() -> FontFamily {
     FontFamily::Name("icons".into())
 }
 
-/// Makes the icons known. Before the next frame begins, or any text of this one is laid out, none can be drawn.
+/// Installs the icon font. Icons can be drawn from the next frame on.
 pub fn install(context: &egui::Context) {
     let alone = InsertFontFamily {
         family: family(),
@@ -19,8 +19,7 @@ pub fn install(context: &egui::Context) {
     context.add_font(FontInsert::new("lucide", font, vec![alone]));
 }
 
-/// Draws an icon about a point, `size` points high. What it stands for is to be said to screen readers by what it
-/// is drawn on.
+/// Draws an icon about a point, `size` points high. The widget below it must give its meaning to screen readers.
 pub fn paint(painter: &Painter, center: Pos2, icon: Icon, size: f32, color: Color32) {
     let font = FontId::new(size, family());
     painter.text(center, Align2::CENTER_CENTER, char::from(icon), font, color);

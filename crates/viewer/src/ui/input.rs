@@ -1,4 +1,4 @@
-//! Keys and mouse to commands.
+//! From keys and mouse to commands.
 
 use super::registry::{self, Keymap};
 use crate::state::State;
@@ -8,14 +8,14 @@ use egui::Key;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
-/// Degrees that a point of dragging turns.
+/// Degrees of orbit for each point of a drag.
 pub const DEGREES_PER_POINT: f64 = 0.4;
 
-/// A gesture of the mouse, and what it does.
+/// A mouse gesture, for the help.
 pub struct Gesture {
-    /// What the hand does.
+    /// The gesture.
     pub gesture: &'static str,
-    /// What comes of it.
+    /// Its effect.
     pub does: &'static str,
 }
 
@@ -23,7 +23,7 @@ const fn gesture(gesture: &'static str, does: &'static str) -> Gesture {
     Gesture { gesture, does }
 }
 
-/// Gestures of the mouse by these habits.
+/// The gestures with these mouse settings.
 pub fn gestures(habits: Mouse) -> impl Iterator<Item = &'static Gesture> {
     let drags: &[Gesture] = match habits {
         Mouse::Viewer => {
@@ -58,7 +58,7 @@ pub fn gestures(habits: Mouse) -> impl Iterator<Item = &'static Gesture> {
     drags.iter().chain(OTHERS)
 }
 
-/// What is the same by any habits.
+/// The gestures with any mouse settings.
 const OTHERS: &[Gesture] = &[
     gesture("Wheel", "Zoom to the cursor"),
     gesture("Hover", "Object, triangle and distance under the cursor"),
@@ -76,10 +76,10 @@ const OTHERS: &[Gesture] = &[
 
 /// The commands of the keys pressed in this frame.
 pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
-    // A field may be about to get the keyboard: its letters are no keys already.
+    // A text field may be about to get the keyboard: letters are meant for it already.
     let in_text = context.text_edit_focused();
     let typing = in_text || state.is_typing();
-    // Arrows go from one control to another once one has the keyboard.
+    // Arrow keys move the focus once a control has it.
     let is_in_controls = context.memory(|memory| memory.focused().is_some());
     let in_menu = egui::Popup::is_any_open(context);
     let is_asked = state.question.is_some() || state.replacing.is_some();
@@ -92,7 +92,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
         let down = |key| f64::from(u8::from(walks && free && input.key_down(key)));
         let [right, up, forward] = WALKING.map(|(more, less)| down(more) - down(less));
         if [right, up, forward] != [0.0; 3] {
-            // After a frame that came late one has not run through a wall.
+            // Limits the step after a delayed frame, so that one does not pass through a wall.
             let seconds = f64::from(input.stable_dt.min(0.1));
             steps = Some(Command::Walk {
                 way: DVec3::new(right, up, forward),
@@ -118,7 +118,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 continue;
             };
             if key == Key::Escape {
-                // A number that is being typed has its own use for it, and so has a menu.
+                // A number field and a menu use Escape themselves.
                 if (!in_text || state.is_typing()) && !in_menu {
                     commands.push(Command::Dismiss);
                 }
@@ -136,14 +136,14 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 continue;
             }
             let of = |key| registry::pressed(&keymap, state, typing, key, modifiers);
-            // Where digits are on the second level, as in France, the key counts, not what it types.
+            // On keyboards that type digits with Shift, as in France, the physical key counts.
             let digit = physical_key.filter(|key| DIGITS.contains(key));
             commands.extend(of(key).or_else(|| digit.and_then(of)));
         }
         commands
     });
     if steps.is_some() {
-        // As long as the key is held.
+        // Continues while the key is held.
         context.request_repaint();
     }
     commands.extend(steps);
@@ -166,7 +166,7 @@ const DIGITS: [Key; 10] = [
     Key::Num9,
 ];
 
-/// How much nearer a wheel's turn brings the eye: the new distance over the old.
+/// The zoom factor of a wheel's movement: the new distance over the old.
 pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
     let notches = match unit {
         egui::MouseWheelUnit::Line => f64::from(delta),
@@ -177,7 +177,7 @@ pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
     math::pow(0.85, notches.clamp(-20.0, 20.0))
 }
 
-/// What a drag does.
+/// The effect of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Drag {
     Orbit,
@@ -186,7 +186,7 @@ enum Drag {
     Look,
 }
 
-/// What a drag with a button does by these habits; with Shift, or with Ctrl, held.
+/// The effect of a drag with a button, with Shift or Ctrl held, by these mouse settings.
 fn drag_of(habits: Mouse, button: egui::PointerButton, shift: bool, ctrl: bool) -> Option<Drag> {
     use egui::PointerButton::{Middle, Primary, Secondary};
     match (habits, button) {
@@ -201,9 +201,9 @@ fn drag_of(habits: Mouse, button: egui::PointerButton, shift: bool, ctrl: bool) 
     }
 }
 
-/// Mouse over the picture to commands, by these habits, or those of who walks; nothing by the left button, unless that
-/// `is_free`. `at` maps a point of the window to the picture's pixels, `scale` is how many of those a point of the
-/// window is wide.
+/// From the mouse over the picture to commands, by these mouse settings and whether one is walking. The left button
+/// does nothing unless it `is_free`. `at` maps a point of the window to the picture's pixels; a point is `scale` pixels
+/// wide.
 pub fn mouse(
     ui: &egui::Ui,
     response: &egui::Response,
@@ -257,7 +257,7 @@ pub fn mouse(
         && !response.double_clicked_by(Primary)
         && let Some(position) = response.interact_pointer_pos()
     {
-        // The pixel's own ray goes through its centre: what is told is what is drawn.
+        // The ray through the pixel's centre, as in the picture.
         let (x, y) = at(position);
         commands.push(Command::Pin {
             at: (x.floor() + 0.5, y.floor() + 0.5),

@@ -1,4 +1,4 @@
-//! What panels are made with: the theme, keys and gestures, the picture on screen, numbers as text.
+//! What panels share: theme, keys and gestures, the picture on screen, formatting of numbers.
 
 pub mod canvas;
 #[allow(clippy::disallowed_methods, reason = "numbers are shown to few digits")]

@@ -1,4 +1,4 @@
-//! A small picture of each mode, made by the core when the window begins.
+//! A small picture of each mode, rendered by the core when the window opens.
 
 use super::modes::MODES;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
@@ -17,7 +17,7 @@ const SIDE: u32 = 44;
 
 type Pictures = Arc<[TextureHandle]>;
 
-/// Makes them, and gives them to the window. A mode whose picture cannot be made has none.
+/// Renders the pictures and stores them in the context. A mode whose picture cannot be rendered has none.
 pub fn install(context: &Context) {
     let Some(pictures) = all(context) else {
         return;
@@ -25,7 +25,7 @@ pub fn install(context: &Context) {
     context.data_mut(|data| data.insert_temp(egui::Id::unique("mode pictures"), pictures));
 }
 
-/// The picture of a mode of this window.
+/// The picture of a mode.
 pub fn of(context: &Context, mode: Mode) -> Option<TextureHandle> {
     let at = MODES.iter().position(|(other, ..)| *other == mode)?;
     let id = egui::Id::unique("mode pictures");
@@ -48,7 +48,7 @@ fn all(context: &Context) -> Option<Pictures> {
     pictures.collect::<Option<Vec<_>>>().map(Into::into)
 }
 
-/// A ring of few enough triangles to be told apart.
+/// A ring of so few triangles that they can be distinguished.
 fn ring(
     texture: Option<Arc<Texture>>,
     material: Option<Material>,
@@ -115,7 +115,7 @@ fn picture((scene, accel): &(Arc<Scene>, Arc<Accel>), mode: Mode) -> Option<Colo
         samples: 4,
         ..Settings::default()
     };
-    // The ring does not reach into its box's corners.
+    // The ring does not reach the corners of its box.
     let Bounds { min, max } = scene.bounds();
     let bounds = Bounds {
         min: min * 0.72,

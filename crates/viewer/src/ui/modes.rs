@@ -1,8 +1,8 @@
-//! What modes are called.
+//! Names of the modes.
 
 use raycast_core::shade::Mode;
 
-/// Modes in the order of their keys, Alt+1 to Alt+9, Alt+0 and Alt+X, and what a person calls each.
+/// The modes in the order of their keys, Alt+1 to Alt+9, Alt+0 and Alt+X, with name and description.
 pub const MODES: [(Mode, &str, &str); 11] = [
     (Mode::Color, "Colors", "The triangles' own colors, unlit"),
     (Mode::Flat, "Flat", "Lit, one brightness a triangle"),

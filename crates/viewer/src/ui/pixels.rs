@@ -1,11 +1,11 @@
-//! Rectangles of pixels: tiles into the picture, and parts of it to the graphics side.
+//! Copying rectangles of pixels: tiles into the picture, and parts of it to graphics memory.
 
 use egui::{Color32, ColorImage};
 use raycast_core::camera::Rect;
 use raycast_core::render::Tile;
 
-/// Whether tiles are worth transfers of their own: each copies its pixels once more, and costs a
-/// call, while the whole picture goes as it is.
+/// Whether tiles should be transferred one by one: each needs a copy and a call, while the whole picture is transferred
+/// without a copy.
 pub(super) fn few(rects: &[Rect], size: [usize; 2]) -> bool {
     let area: usize = rects.iter().map(Rect::area).sum();
     rects.len() <= 32 && area * 4 <= size[0] * size[1]
@@ -21,14 +21,14 @@ pub(super) fn part(image: &ColorImage, rect: Rect) -> ColorImage {
     ColorImage::new([rect.width as usize, rect.height as usize], pixels)
 }
 
-/// Red and blue in each other's place.
+/// Swaps red and blue.
 fn swapped(rgba: [u8; 4]) -> [u8; 4] {
     let pixel = u32::from_le_bytes(rgba);
     let others = pixel & 0xff00_ff00;
     (others | (pixel >> 16 & 0xff) | (pixel & 0xff) << 16).to_le_bytes()
 }
 
-/// Copies a tile into its place; `false`, and nothing copied, where it does not fit.
+/// Copies a tile into its place; returns `false`, without copying, if it does not fit.
 pub(super) fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> bool {
     let (width, height) = (image.width(), image.height());
     let rect = tile.rect;
@@ -43,7 +43,7 @@ pub(super) fn copy(image: &mut ColorImage, tile: &Tile, blue_first: bool) -> boo
     for (y, row) in (rect.y as usize..).zip(tile.pixels.chunks_exact(columns)) {
         let start = y * width + rect.x as usize;
         let pixels = &mut image.pixels[start..start + columns];
-        // Whole pixels as numbers, which the compiler lays side by side.
+        // Whole pixels as integers, which the compiler vectorises.
         let every = row
             .iter()
             .fold(u32::MAX, |every, &pixel| every & u32::from_le_bytes(pixel));

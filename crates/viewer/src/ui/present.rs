@@ -1,4 +1,4 @@
-//! Puts the picture on the window by copying it, where painting it would cost more than casting it.
+//! Shows the picture by copying its pixels, where painting a textured rectangle would cost more than casting the rays.
 //!
 //! Without a GPU, Mesa's llvmpipe runs a small program for each pixel of a textured rectangle. Moving
 //! the same pixels from a texture of the window's own format is a copy of memory.
@@ -13,10 +13,10 @@ use egui::{ColorImage, PaintCallbackInfo, Rect, Shape};
 use raycast_core::camera;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What the texture does not have yet.
+/// The part of the texture that is out of date.
 #[derive(Debug, Default, PartialEq)]
 pub enum Dirty {
-    /// It has all.
+    /// None.
     #[default]
     Nothing,
     /// Some rectangles.
@@ -38,7 +38,7 @@ struct Shared {
 }
 
 impl Presenter {
-    /// A way to copy pictures, where OpenGL is emulated by the CPU and has what it takes.
+    /// A presenter, if OpenGL runs on the CPU and has the required functions.
     pub fn new(gl: &glow::Context) -> Option<Self> {
         // SAFETY: eframe makes its context current before it makes the window's state.
         let (renderer, version) = unsafe {
@@ -53,12 +53,12 @@ impl Presenter {
         })
     }
 
-    /// The picture to show from now on: its pixels are blue, green, red, alpha, and their alpha is ignored.
-    /// `dirty` says what has changed since the last one.
+    /// Sets the picture. Its pixels are blue, green, red, alpha; alpha is ignored. `dirty` is what has changed since
+    /// the last call.
     pub fn hand_over(&self, image: Arc<ColorImage>, dirty: Dirty) {
         let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         shared.image = image;
-        // What came earlier may not have been painted.
+        // Earlier changes may not have been painted yet.
         shared.dirty = match (std::mem::take(&mut shared.dirty), dirty) {
             (Dirty::Nothing, new) => new,
             (old, Dirty::Nothing) => old,
@@ -70,14 +70,13 @@ impl Presenter {
         };
     }
 
-    /// What shows the picture at its own size, over what is there: the one that was handed over last when
-    /// it is painted.
+    /// The paint callback that shows the picture unscaled. It shows the picture that was set last before painting.
     pub fn shape(&self, rect: Rect) -> Shape {
         let shared = Arc::clone(&self.shared);
         let paint = move |info: PaintCallbackInfo, painter: &eframe::egui_glow::Painter| {
             let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
             shared.paint(&info, painter.gl());
-            // Who makes the next picture should find the pixels unshared.
+            // Releases the pixels, so that the next picture can be written without a copy.
             shared.image = Arc::default();
         };
         Shape::Callback(egui::PaintCallback {
@@ -120,7 +119,7 @@ impl Shared {
         }
     }
 
-    /// The texture and the framebuffer that it is read through, of the picture's size.
+    /// The texture of the picture's size, and the framebuffer that it is read through.
     fn texture(&mut self, gl: &glow::Context) -> Option<(glow::Texture, glow::Framebuffer)> {
         let size = self.image.size;
         if let Some((texture, framebuffer, of)) = self.texture
@@ -137,7 +136,7 @@ impl Shared {
             }
             let texture = gl.create_texture().ok()?;
             gl.bind_texture(glow::TEXTURE_2D, Some(texture));
-            // Blue first, as the window's pixels are: else each would be taken apart.
+            // Blue first, as in the window's pixels: otherwise each pixel would be converted.
             gl.tex_image_2d(
                 glow::TEXTURE_2D,
                 0,
@@ -167,7 +166,7 @@ impl Shared {
         }
     }
 
-    /// Brings the texture up to date.
+    /// Updates the texture.
     fn upload(&mut self, gl: &glow::Context) {
         let Some((texture, ..)) = self.texture else {
             return;

@@ -1,5 +1,5 @@
-//! The registry of commands: what each is called, its keys, when it can be used, what it does. Menus, keys,
-//! palette, help and tooltips are all read from here.
+//! The registry of actions: name, keys, when each applies, and its command. Menus, keys, palette, help and tooltips are
+//! made from it.
 
 mod action;
 mod add;
@@ -24,7 +24,7 @@ use crate::state::State;
 use crate::state::command::Command;
 use egui::Key;
 
-/// All entries, in the order of their menus.
+/// All actions, in the order of their menus.
 pub fn actions() -> impl Iterator<Item = &'static Action> + Clone {
     [
         file::ACTIONS,
@@ -40,22 +40,22 @@ pub fn actions() -> impl Iterator<Item = &'static Action> + Clone {
     .flatten()
 }
 
-/// The entry of this id.
+/// The action with this id.
 ///
 /// # Panics
-/// Where there is none: ids are written in this program alone, and a test asks for each.
+/// If there is none: ids are constants of this program, and a test looks each up.
 pub fn action(id: &str) -> &'static Action {
     actions()
         .find(|action| action.id == id)
         .unwrap_or_else(|| panic!("there is no command {id}"))
 }
 
-/// For tooltips: the name of the entry of this id, its key in this window, and what it does.
+/// A tooltip: the name of the action with this id, its key, and its description.
 pub fn hint(context: &egui::Context, id: &str) -> String {
     Keymap::of(context).hint(action(id))
 }
 
-/// What a key asks for; while a person types, only keys that cannot be meant for the text do.
+/// The action of a key; while text is being typed, only of keys that a text field does not use.
 pub fn pressed(
     keymap: &Keymap,
     state: &State,
@@ -67,7 +67,7 @@ pub fn pressed(
     (action.applies)(state).then(|| (action.command)(state))
 }
 
-/// Entries whose names have every word of `text`, those that begin with it first.
+/// Actions whose names contain every word of `text`; those that begin with it come first.
 pub fn found(text: &str) -> Vec<&'static Action> {
     let text = text.trim().to_lowercase();
     let words: Vec<_> = text.split_whitespace().collect();
@@ -121,7 +121,7 @@ mod tests {
             );
             assert!(Menu::ALL.contains(&action.menu));
         }
-        // Menus are read off in order: each is in one piece.
+        // The actions of a menu must be contiguous.
         let mut menus: Vec<_> = actions().map(|action| action.menu).collect();
         menus.dedup();
         assert_eq!(menus, Menu::ALL);

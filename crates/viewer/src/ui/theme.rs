@@ -1,4 +1,4 @@
-//! How the window looks: calm, tight, dark or light. One accent, for what is active or differs.
+//! The window's theme, dark or light, with one accent colour for what is active or differs.
 
 use super::icons;
 use crate::state::preferences::Theme;
@@ -6,37 +6,37 @@ use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Ui, Visuals, vec2,
 };
 
-/// Behind the picture, in either theme: a picture is judged against what surrounds it.
+/// Behind the picture, the same in both themes: colours are judged against their surroundings.
 pub const BACKDROP: Color32 = Color32::from_rgb(0x10, 0x12, 0x16);
 
 /// The colours of a theme.
 #[derive(Debug)]
 pub struct Colors {
-    /// What is chosen, and what moves.
+    /// The accent.
     pub accent: Color32,
-    /// Behind what is chosen.
+    /// The background of selected widgets.
     pub chosen: Color32,
-    /// Text on that.
+    /// Text on that background.
     pub on_chosen: Color32,
-    /// What went wrong.
+    /// Errors.
     pub error: Color32,
-    /// What is done.
+    /// Completed work.
     pub done: Color32,
     /// Panels.
     pub panel: Color32,
-    /// Menus, cards, the help.
+    /// Menus, cards and the help.
     pub card: Color32,
-    /// Fields to type in.
+    /// Text fields.
     pub field: Color32,
-    /// Lines between parts.
+    /// Separators.
     pub line: Color32,
-    /// Names and units.
+    /// Labels and units.
     pub quiet: Color32,
     /// Text.
     pub text: Color32,
-    /// Text that stands out.
+    /// Emphasised text.
     pub strong: Color32,
-    /// Buttons: at rest, under the cursor, held down.
+    /// Buttons: at rest, hovered, pressed.
     pub buttons: [Color32; 3],
 }
 
@@ -80,17 +80,17 @@ const LIGHT: Colors = Colors {
     ],
 };
 
-/// The colours that go with these visuals.
+/// The colours for these visuals.
 pub fn of(visuals: &Visuals) -> &'static Colors {
     if visuals.dark_mode { &DARK } else { &LIGHT }
 }
 
-/// The colours of this part of the window.
+/// The colours for this part of the window.
 pub fn colors(ui: &Ui) -> &'static Colors {
     of(ui.visuals())
 }
 
-/// Sets what a person prefers: light or dark, and how large.
+/// Applies the preferred theme and scale.
 pub fn prefer(context: &egui::Context, theme: Theme, scale: f32) {
     let theme = match theme {
         Theme::System => egui::ThemePreference::System,
@@ -105,9 +105,9 @@ pub fn prefer(context: &egui::Context, theme: Theme, scale: f32) {
     }
 }
 
-/// Sets the style of everything.
+/// Sets the style of both themes.
 pub fn apply(context: &egui::Context) {
-    // The registry has the keys that egui would take for this.
+    // The registry's keys for zooming would collide with egui's.
     context.options_mut(|options| options.zoom_with_keyboard = false);
     icons::install(context);
     for (theme, colors) in [(egui::Theme::Dark, &DARK), (egui::Theme::Light, &LIGHT)] {

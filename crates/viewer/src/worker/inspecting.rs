@@ -29,7 +29,8 @@ impl Files {
         });
     }
 
-    /// Looks meshes over, each of an object, and if `deep` for triangles that pass through one another; calls what is done by a name. The newest call wins.
+    /// Checks meshes of objects, if `deep` also for self-intersections; `name` is that of the task. The newest call
+    /// wins.
     pub fn check(&self, name: String, meshes: Vec<(usize, Arc<Mesh>)>, deep: bool) {
         let ticket = self.shared.newest_check.fetch_add(1, Ordering::Relaxed) + 1;
         let progress = Arc::new(Progress::default());

@@ -103,3 +103,37 @@ fn unsaved_changes_are_asked_for_and_the_answer_is_a_button() {
     click(&mut harness, "Don't save");
     assert_eq!(harness.state().effects.last(), Some(&Effect::Close));
 }
+
+#[test]
+fn a_line_for_a_file_to_be_written_does_not_offer_to_drop_one() {
+    const DROP: &str = "type a path, or drop a file on the window:";
+    let mut harness = open_two();
+    for (key, drops) in [(Key::E, false), (Key::O, true)] {
+        harness.key_press_modifiers(Modifiers::COMMAND, key);
+        harness.run();
+        // There is no desktop that opens a dialog.
+        let prompt = harness.state_mut().state.prompt.as_mut();
+        prompt.expect("a path line").dialog = false;
+        harness.run();
+        assert_eq!(harness.query_by_label(DROP).is_some(), drops);
+        assert_eq!(harness.query_by_label("type a path:").is_some(), !drops);
+        harness.key_press(Key::Escape);
+        harness.run();
+    }
+}
+
+#[test]
+fn files_that_are_held_over_the_window_are_told_what_a_drop_does() {
+    let mut harness = open_two();
+    let mut held = |count: usize, modifiers: Modifiers, text: &str| {
+        harness.input_mut().hovered_files = vec![egui::HoveredFile::default(); count];
+        harness.event(egui::Event::ModifiersChanged(modifiers));
+        // While files are held the window is painted all the time.
+        harness.run_steps(3);
+        assert_eq!(harness.query_by_label(text).is_some(), count > 0, "{text}");
+    };
+    let opens = "Drop to open the file, or hold Shift to add to what is open";
+    held(1, Modifiers::NONE, opens);
+    held(2, Modifiers::SHIFT, "Drop to add the files to what is open");
+    held(0, Modifiers::NONE, opens);
+}

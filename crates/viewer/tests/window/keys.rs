@@ -138,3 +138,33 @@ fn w_walks_while_one_walks_and_draws_lines_else() {
     let state = &harness.state().state;
     assert!(state.walk.is_none() && state.settings.shading.wireframe.is_some());
 }
+
+#[test]
+fn the_palette_lists_all_commands_again_after_few_were_found() {
+    let mut harness = open();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    harness.event(egui::Event::Text("wireframe".to_owned()));
+    harness.run();
+    harness.key_press(Key::Escape);
+    harness.run();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    // The sixth line is seen, and not only laid out: a click on its place reaches it.
+    let watch = "Reload when changed";
+    let at = harness.get_by(|node| node.label().is_some_and(|label| label.starts_with(watch)));
+    let at = at.rect().center();
+    let before = harness.state().state.preferences.watch;
+    harness.event(egui::Event::PointerMoved(at));
+    harness.run();
+    for pressed in [true, false] {
+        harness.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+    }
+    harness.run();
+    assert_ne!(harness.state().state.preferences.watch, before);
+}

@@ -5,6 +5,7 @@ use crate::bench::{Bench, drag, open_with};
 use egui::{Event, Key, Modifiers, PointerButton};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use raycast_core::formats::{read_scene, write_prepared};
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{Color, ColorRule, Object};
 use raycast_viewer::app::effects::hand_out;
@@ -360,6 +361,44 @@ fn twenty_everyday_tasks_are_done_by_keys_clicks_and_typed_paths() {
     let command = desk.copied.last().expect("copied");
     assert!(command.contains("raycast render"), "{command}");
     assert!(command.contains("scene.raycast.toml"), "{command}");
+}
+
+#[test]
+fn a_prepared_file_is_opened_and_added_as_a_mesh_is_and_a_cut_one_changes_nothing() {
+    let mut desk = Desk::new();
+    let (ctrl, shift) = (Modifiers::COMMAND, Modifiers::SHIFT);
+    let (prepared, cut) = (desk.path("two.raycast"), desk.path("cut.raycast"));
+    let mut scene = read_scene(&desk.path("cube.obj"), &|_| {}).expect("a cube");
+    scene.append(read_scene(&desk.path("torus.obj"), &|_| {}).expect("a torus"));
+    let mut bytes = Vec::new();
+    write_prepared(&scene, &prepared, &mut bytes).expect("prepared");
+    std::fs::write(&prepared, &bytes).expect("written");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).expect("written");
+
+    update_to(&mut desk, Command::Open(vec![prepared.clone()]));
+    desk.built("open", |desk| desk.names() == ["cube", "torus"]);
+    update_to(&mut desk, Command::Add(vec![prepared]));
+    desk.built("added", |desk| {
+        desk.names() == ["cube", "torus", "cube", "torus"]
+    });
+    update_to(&mut desk, Command::Add(vec![cut]));
+    desk.until("told", |desk| !desk.state().errors.is_empty());
+    let error = &desk.state().errors[0];
+    assert!(
+        error.contains("cut.raycast: ") && error.contains("cut short"),
+        "{error}"
+    );
+    assert_eq!(desk.objects().len(), 4);
+    desk.key(Modifiers::NONE, Key::Escape);
+
+    // It is saved in a scene file by its name, and comes back from there.
+    let scene = desk.path("scene.raycast.toml");
+    desk.give(ctrl, Key::S, &scene);
+    desk.until("saved", |desk| {
+        !desk.state().has_unsaved() && scene.exists()
+    });
+    desk.give(ctrl | shift, Key::O, &scene);
+    desk.built("again", |desk| desk.objects().len() == 8);
 }
 
 /// What a colour field or a list that opens asks for.

@@ -121,7 +121,6 @@ fn a_distance_is_measured_by_two_clicks_and_copied() {
     harness.key_press(Key::F);
     harness.key_press(Key::D);
     harness.run();
-    click(&mut harness, "Measure");
     harness.get_by_label("Click two points");
     for point in [DVec3::new(0.98, 0.005, 0.0), DVec3::new(2.01, 0.01, 0.0)] {
         let camera = harness.state().state.camera().expect("a camera");
@@ -262,4 +261,37 @@ fn a_plane_is_moved_by_its_handle_in_the_picture() {
     let x = |plane: &raycast_core::scene::ClippingPlane| plane.offset * plane.normal.x;
     assert!(x(&after) > x(&before) + 1e-3, "{before:?} {after:?}");
     assert_eq!(harness.state().state.viewpoint, view, "the camera stays");
+}
+
+#[test]
+fn parts_of_the_panel_open_when_their_tool_is_begun_elsewhere() {
+    let mut harness = open_two();
+    let snaps = "Snap to vertices";
+    assert!(harness.query_by_label(snaps).is_none());
+    harness.key_press(Key::D);
+    harness.run();
+    harness.get_by_label(snaps);
+    harness.key_press(Key::Escape);
+    harness.run();
+    click(&mut harness, "Measure");
+    assert!(harness.query_by_label(snaps).is_none());
+
+    let across = "Cut across Y";
+    assert!(harness.query_by_label(across).is_none());
+    let palette = |harness: &mut Harness<'_, Bench>, name: &str| {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+        harness.run();
+        harness.event(egui::Event::Text(name.to_owned()));
+        harness.run();
+        harness.key_press(Key::Enter);
+        harness.run();
+    };
+    palette(&mut harness, "Cut across X");
+    harness.get_by_label(across);
+    // What a person closes stays closed until there is another plane.
+    click(&mut harness, "Cut");
+    assert!(harness.query_by_label(across).is_none());
+    palette(&mut harness, "Cut through three points");
+    harness.get_by_label(across);
+    harness.get_by_label("Cut: Click 3 more points of the plane. Esc ends");
 }

@@ -1,26 +1,26 @@
-//! The checksum of a prepared file: XXH3 of 128 bits over the same of each block of [`BLOCK`] bytes, in its canonical order of
-//! bytes. That of any other content differs but for one in 2¹²⁸ by chance. It finds damage, not forgery: whoever wants to can
-//! make a file with a right checksum, and what is read is checked by itself.
+//! The checksum of a prepared file: XXH3-128 of the concatenated XXH3-128 hashes (in canonical byte order) of its
+//! blocks of [`BLOCK`] bytes. Two different files agree by chance with probability 2⁻¹²⁸. It detects damage, not
+//! forgery: anyone can make a file with a correct checksum, so the reader still checks everything that it decodes.
 
 use crate::digest::Digest;
 
-/// Bytes that are digested by themselves, so that several threads may.
+/// Bytes of a block. Blocks are hashed independently, so that several threads can share the work.
 pub(super) const BLOCK: usize = 1 << 20;
 
-/// Bytes of a checksum.
+/// Bytes of the checksum.
 pub(super) const BYTES: usize = 16;
 
-/// Of one block.
+/// The hash of one block.
 pub(super) fn of_block(block: &[u8]) -> [u8; BYTES] {
     Digest::of(block).to_bytes()
 }
 
-/// Of the checksums of all blocks.
+/// The hash of all blocks' hashes.
 pub(super) fn of_blocks(checksums: &[u8]) -> [u8; BYTES] {
     Digest::of(checksums).to_bytes()
 }
 
-/// Of all bytes of a file.
+/// The checksum of a whole file in memory.
 #[cfg(test)]
 pub(super) fn checksum(bytes: &[u8]) -> [u8; BYTES] {
     let blocks: Vec<_> = bytes.chunks(BLOCK).map(of_block).collect();

@@ -1,4 +1,4 @@
-//! Reads numbers, texts and lists of bytes that may be anything.
+//! Reads numbers, strings and lists from untrusted bytes.
 
 use super::super::error::{FormatError, quote};
 use super::super::limits::{Budget, Share};
@@ -9,21 +9,22 @@ use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Elements that are worth a task of their own.
+/// The least number of elements converted by one parallel task. With fewer, the cost of a task outweighs its work;
+/// with more, short lists use fewer threads.
 const CHUNK: usize = 1 << 15;
 
-/// Bytes on their way from a file. What they claim is counted before there is room for it.
+/// Decodes the bytes of a file. Memory for a claimed size is counted in the budget before it is allocated.
 pub(super) struct Decoder<'d> {
     path: &'d Path,
     source: Source<'d>,
     share: Share<'d>,
-    /// What is held so far.
+    /// Bytes held so far.
     held: u64,
     budget: &'d Budget,
 }
 
 impl<'d> Decoder<'d> {
-    /// Of what is left of a source.
+    /// A decoder of the remaining bytes of `source`.
     pub(super) fn new(
         path: &'d Path,
         source: Source<'d>,
@@ -46,19 +47,19 @@ impl<'d> Decoder<'d> {
         self.path
     }
 
-    /// How much of the bytes was read, from 0 to 1.
+    /// The fraction of the bytes read, from 0 to 1.
     pub(super) fn done(&self) -> f32 {
         self.source.taken() as f32 / self.source.length().max(1) as f32
     }
 
-    /// The error that something else stands before this place than must.
+    /// The error for unexpected content just before the current position.
     pub(super) fn unexpected(&self, expected: &str, found: impl std::fmt::Display) -> FormatError {
         let at = self.source.taken();
         let expected = format!("{expected} before byte {at}");
         FormatError::unexpected(self.path, None, expected, found.to_string())
     }
 
-    /// The error that what was read is not `what` it says.
+    /// The error for a value just before the current position that is not a valid `what`.
     pub(super) fn refused(&self, what: &str, reason: &str) -> FormatError {
         let at = self.source.taken();
         FormatError::refused(
@@ -74,7 +75,7 @@ impl<'d> Decoder<'d> {
         self.share.grow(self.path, "the prepared mesh", self.held)
     }
 
-    /// Checks that all bytes, taken or not, have this checksum.
+    /// Checks the checksum of the whole file; bytes not decoded yet are read for it.
     pub(super) fn verify(&mut self, stored: [u8; BYTES]) -> Result<(), FormatError> {
         let sum = self.source.checksum();
         if sum.map_err(|error| FormatError::io(self.path, error))? == stored {
@@ -85,7 +86,7 @@ impl<'d> Decoder<'d> {
         Err(FormatError::unexpected(self.path, None, expected, found))
     }
 
-    /// Fills a slice with bytes as they are.
+    /// Reads raw bytes.
     fn fill(&mut self, what: &str, to: &mut [u8]) -> Result<(), FormatError> {
         if to.len() > self.source.left() {
             let found = format!("{} bytes to the end", self.source.left());
@@ -153,7 +154,8 @@ impl<'d> Decoder<'d> {
         }
     }
 
-    /// How many there are of something of which one has so many bytes at least.
+    /// The length of a list whose elements take at least `least` bytes each. It is checked against the remaining
+    /// bytes, so that a forged length cannot cause a large allocation.
     pub(super) fn count(&mut self, what: &str, least: usize) -> Result<usize, FormatError> {
         let count = self.number(what)? as usize;
         match count <= self.source.left() / least {
@@ -187,7 +189,7 @@ impl<'d> Decoder<'d> {
         }
     }
 
-    /// Elements that are read one by one, each of so many bytes in the file at least.
+    /// A list whose elements are read one by one, each of at least `least` bytes in the file.
     pub(super) fn each<T>(
         &mut self,
         what: &str,
@@ -195,7 +197,7 @@ impl<'d> Decoder<'d> {
         mut read: impl FnMut(&mut Self) -> Result<T, FormatError>,
     ) -> Result<Vec<T>, FormatError> {
         let count = self.count(what, least)?;
-        // Those of small files may be larger than what they are in the file.
+        // An element can be larger in memory than in the file.
         self.hold((count * size_of::<T>()) as u64)?;
         let mut all = Vec::with_capacity(count);
         for _ in 0..count {
@@ -204,11 +206,11 @@ impl<'d> Decoder<'d> {
         Ok(all)
     }
 
-    /// Elements that consist of words, behind their count: read to where they stay.
+    /// A list of plain words, preceded by its length, read without a copy.
     pub(super) fn words<T: Pod>(&mut self, what: &str) -> Result<Vec<T>, FormatError> {
         let count = self.count(what, size_of::<T>())?;
         self.hold((count * size_of::<T>()) as u64)?;
-        // Memory that nobody has touched: what is read into it is the first to do so.
+        // Large zeroed allocations come from the system untouched, so that reading into them is the first write.
         let mut all: Vec<T> = zeroed_vec(count);
         self.fill(what, bytemuck::cast_slice_mut(&mut all))?;
         if cfg!(target_endian = "big") {
@@ -219,7 +221,7 @@ impl<'d> Decoder<'d> {
         Ok(all)
     }
 
-    /// Elements of so many words each, behind their count.
+    /// A list whose elements are `N` words each, preceded by its length.
     pub(super) fn list<T: Send, const N: usize>(
         &mut self,
         what: &str,
@@ -234,7 +236,7 @@ impl<'d> Decoder<'d> {
         Ok(words.map(element).collect())
     }
 
-    /// Checks that all was read.
+    /// Checks that no bytes are left.
     pub(super) fn end(&self) -> Result<(), FormatError> {
         match self.source.left() {
             0 => Ok(()),
@@ -242,7 +244,7 @@ impl<'d> Decoder<'d> {
         }
     }
 
-    /// What it took stays counted.
+    /// Leaves the bytes held counted in the budget.
     pub(super) fn keep(self) {
         self.share.keep(self.held);
     }

@@ -1,14 +1,14 @@
-//! Writes numbers, texts and lists, with the checksum behind them.
+//! Writes numbers, strings and lists, followed by their checksum.
 
 use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
 use std::io::{self, Write};
 
-/// Bytes on their way to a file.
+/// Buffers and hashes the bytes of a file.
 pub(super) struct Encoder<'w> {
     out: &'w mut dyn Write,
-    /// Less than a block that is yet to be written.
+    /// The current block, not yet full and not yet written.
     block: Vec<u8>,
-    /// The checksum of each block that was written.
+    /// The hashes of the blocks written so far.
     checksums: Vec<u8>,
     length: u64,
 }
@@ -23,7 +23,7 @@ impl<'w> Encoder<'w> {
         }
     }
 
-    /// Bytes as they are.
+    /// Raw bytes.
     pub(super) fn bytes(&mut self, mut bytes: &[u8]) -> io::Result<()> {
         while !bytes.is_empty() {
             let room = BLOCK - self.block.len();
@@ -53,7 +53,7 @@ impl<'w> Encoder<'w> {
         self.long(number.to_bits())
     }
 
-    /// How many there are of something, which its elements follow.
+    /// The number of elements of a list, before the elements.
     pub(super) fn count(&mut self, count: usize) -> io::Result<()> {
         let too_many =
             || io::Error::other(format!("{count} are more than a prepared mesh can hold"));
@@ -65,7 +65,7 @@ impl<'w> Encoder<'w> {
         self.bytes(text.as_bytes())
     }
 
-    /// Whether there is something, which then follows.
+    /// An option: 0, or 1 and the value.
     pub(super) fn option<T>(
         &mut self,
         value: Option<T>,
@@ -80,7 +80,7 @@ impl<'w> Encoder<'w> {
         }
     }
 
-    /// Elements of so many words each, behind their count.
+    /// A list whose elements are `N` words each, preceded by its length.
     pub(super) fn list<T: Copy, const N: usize>(
         &mut self,
         elements: &[T],
@@ -108,7 +108,7 @@ impl<'w> Encoder<'w> {
         Ok(())
     }
 
-    /// Writes the checksum; how many bytes there are with it.
+    /// Writes the checksum; returns the file's total number of bytes.
     pub(super) fn finish(&mut self) -> io::Result<u64> {
         if !self.block.is_empty() {
             self.flush()?;

@@ -1,4 +1,4 @@
-//! The first bytes of a prepared file.
+//! The header of a prepared file.
 
 use super::checksum;
 use super::encoder::Encoder;
@@ -6,26 +6,27 @@ use crate::formats::error::{FormatError, quote};
 use std::io;
 use std::path::Path;
 
-/// Tells a prepared file. As PNG's, it begins with what is no text, and shows line ends that were translated.
+/// Identifies a prepared file. As in PNG's signature, the first byte is not ASCII, so that the file is not taken
+/// for text, and the line ends reveal a transfer that converted them.
 const MAGIC: &[u8; 12] = b"\x89RAYCAST\r\n\x1a\n";
 
-/// What is in the file and how; another one is read by another program. To be raised with every change of the layout, of
-/// what it means, or of what a reader takes for granted.
+/// The version of the format; files of another version are rejected. Raise it with every change of the layout, of
+/// the meaning of a field, or of an assumption of the reader.
 const VERSION: u32 = 1;
 
-/// The version of the program, as the header has it.
+/// The version of the program, as stored in the header.
 const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 const PROGRAM_BYTES: usize = 20;
 
-/// Magic, version, program, length.
+/// Bytes of the header: magic, version, program, length.
 pub(super) const HEADER_BYTES: usize = MAGIC.len() + 4 + PROGRAM_BYTES + 8;
 
-/// Whether a file is a prepared one, of whatever version.
+/// Whether these are the first bytes of a prepared file, of any version.
 pub(in crate::formats) fn is_prepared(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Writes the header of a file of so many bytes.
+/// Writes the header of a file of `length` bytes.
 pub(super) fn write(length: u64, to: &mut Encoder<'_>) -> io::Result<()> {
     to.bytes(MAGIC)?;
     to.number(VERSION)?;
@@ -37,11 +38,11 @@ pub(super) fn write(length: u64, to: &mut Encoder<'_>) -> io::Result<()> {
     to.long(length)
 }
 
-/// Checks that a file of so many bytes, of which these are the first [`HEADER_BYTES`] or all, is of this version and as long as
-/// it should be.
+/// Checks version and length. `first` is the file's first [`HEADER_BYTES`], or all of a shorter file; `length` is
+/// its actual length.
 ///
 /// # Errors
-/// Another version, another length.
+/// Another version; another length than the header states.
 pub(super) fn check(path: &Path, first: &[u8], length: u64) -> Result<(), FormatError> {
     let unexpected =
         |expected: String, found: String| Err(FormatError::unexpected(path, None, expected, found));

@@ -1,4 +1,4 @@
-//! A material: name, colour, whether vertices have its colours, texture, reflectance, opacity. A texture is its number.
+//! A material: name, colour, whether vertex colours take precedence over it, texture (an index), reflectance, opacity.
 
 use super::decoder::Decoder;
 use super::encoder::Encoder;
@@ -9,10 +9,10 @@ use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
 
-/// Bytes of one at least.
+/// The least number of bytes of a material in the file.
 pub(super) const LEAST: usize = 24;
 
-/// Textures, each once, in the order in which they were first met.
+/// Distinct textures, in order of first use.
 #[derive(Default)]
 pub(super) struct Textures<'t> {
     pub(super) all: Vec<&'t Arc<Texture>>,
@@ -20,7 +20,7 @@ pub(super) struct Textures<'t> {
 }
 
 impl<'t> Textures<'t> {
-    /// Takes in those of a material.
+    /// Adds the textures of a material.
     pub(super) fn add_of(&mut self, material: &'t Material) {
         let reflectance = material.reflectance.as_deref();
         let alpha = material.opacity.alpha();
@@ -41,7 +41,7 @@ impl<'t> Textures<'t> {
         }
     }
 
-    /// Writes the number of one that was taken in.
+    /// Writes the index of a texture that was added.
     pub(super) fn write(
         &self,
         texture: Option<&Arc<Texture>>,
@@ -54,7 +54,7 @@ impl<'t> Textures<'t> {
     }
 }
 
-/// Reads the number of a texture.
+/// Reads the index of a texture.
 pub(super) fn read_texture(
     textures: &[Arc<Texture>],
     from: &mut Decoder<'_>,
@@ -70,7 +70,7 @@ pub(super) fn write(
     textures: &Textures<'_>,
     to: &mut Encoder<'_>,
 ) -> io::Result<()> {
-    // Field by field: what a material gets one day must be considered here.
+    // Destructured field by field, so that a new field of a material does not compile until it is handled here.
     let Material {
         name,
         color,

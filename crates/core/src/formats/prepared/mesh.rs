@@ -1,6 +1,7 @@
-//! A mesh: offset (3 f64), positions, triangles, dropped triangles (their numbers; counts by reason), normals, texture
-//! coordinates, materials, each triangle's material, colours of vertices, scalars, diagonals, rounding; the tree over it
-//! (numbers in leaf order; for each inner node, depth first, how many triangles and inner nodes its first child has).
+//! A mesh: offset (3 f64), positions, triangles, dropped triangles (their ids; counts by reason), normals, texture
+//! coordinates, materials, the material of each triangle, vertex colours, scalars, diagonals, rounding; then its
+//! BVH (triangle ids in leaf order; for each inner node, depth first, the number of triangles and of inner nodes
+//! below its first child).
 
 use super::decoder::Decoder;
 use super::encoder::Encoder;
@@ -16,7 +17,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::io;
 use std::sync::Arc;
 
-/// Bytes of one at least: without elements.
+/// The least number of bytes of a mesh in the file: one without elements.
 pub(super) const LEAST: usize = 3 * 8 + 4 * 16;
 
 pub(super) fn write(
@@ -73,7 +74,7 @@ pub(super) fn write(
     to.list(&tree.nodes, |node| node)
 }
 
-/// The numbers of the triangles that were dropped.
+/// The ids of the dropped triangles.
 fn dropped_numbers(mesh: &Mesh) -> Vec<u32> {
     let mut kept = mesh.kept().iter().copied().peekable();
     let all = 0..mesh.triangles().len() as u32;
@@ -149,7 +150,7 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
     };
     let order = from.words("triangles in leaf order")?;
     let nodes = from.words("nodes")?;
-    // The numbers of those that are kept.
+    // The ids of the triangles that were kept.
     from.hold(4 * count as u64)?;
     let stored = StoredMesh {
         offset,

@@ -1,20 +1,21 @@
-//! Prepared meshes (`.raycast`): what was read from mesh files, checked and stored, with the trees over it, so that a job
-//! casts rays at once. The program's own: one of another version says so, and reads none of it.
+//! Prepared meshes (`.raycast`): meshes as parsed and checked, stored with their BVHs, so that rendering starts
+//! without parsing or building. The format is the program's own and not for exchange: a file of another format
+//! version is rejected, not migrated.
 //!
 //! Little-endian, without padding. A text is its length in bytes (u32) and UTF-8; a list is its length (u32) and its
 //! elements; an option is 0, or 1 and the value.
 //!
 //! | part | bytes |
 //! |---|---|
-//! | header | magic, 12 bytes; version u32; the program that wrote it, 20 bytes of ASCII, zeros behind; the file's length u64 |
+//! | header | magic, 12 bytes; version u32; program version, 20 bytes of ASCII, zero-padded; file length u64 |
 //! | about | unit u32; warnings and notes, lists of texts |
 //! | textures | list: columns, rows u32; wrap along u and v; RGBA texels |
 //! | meshes | list: see `mesh` |
 //! | objects | whether they are mesh nodes u32; list: see `object` |
 //! | checksum | 16 bytes: see `checksum` |
 //!
-//! Trees are stored without boxes, as counts that a node takes out of its parent's: references cannot go round in a
-//! circle, and boxes cannot be wrong, since they are made from the corners.
+//! Trees are stored without boxes: each inner node has only its first child's triangle and node counts, which must
+//! fit into its own. So references cannot form a cycle. Boxes are recomputed from the vertices and cannot be wrong.
 
 mod checksum;
 mod decoder;

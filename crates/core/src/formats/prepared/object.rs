@@ -10,21 +10,21 @@ use glam::DAffine3;
 use std::io;
 use std::sync::Arc;
 
-/// Bytes of one at least.
+/// The least number of bytes of an object in the file.
 pub(super) const LEAST: usize = 4 + 4 + 12 * 8 + 4 + 4;
 
-/// A mesh in its place.
+/// A mesh and its transform.
 pub(in crate::formats) struct PreparedObject {
     pub(in crate::formats) name: String,
     pub(in crate::formats) mesh: Arc<Mesh>,
     pub(in crate::formats) world_from_object: DAffine3,
-    /// The image on all of it.
+    /// The texture that covers the whole object.
     pub(in crate::formats) texture: Option<Arc<Texture>>,
-    /// Where the image was, from the prepared file on, `/` between its parts.
+    /// The path of the texture's file relative to the prepared file, with `/` as the separator.
     pub(in crate::formats) texture_source: Option<String>,
 }
 
-/// What is written of one; its mesh by number.
+/// What is written of an object; the mesh is an index into the list of meshes.
 pub(super) struct ObjectToWrite<'o> {
     pub(super) name: &'o str,
     pub(super) mesh: u32,

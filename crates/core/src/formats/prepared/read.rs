@@ -15,17 +15,17 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a prepared file holds.
+/// The contents of a prepared file.
 pub(in crate::formats) struct Prepared {
     pub(in crate::formats) unit: Option<LengthUnit>,
-    /// Whether each object is a mesh node, by which a scene file names it.
+    /// Whether each object is a mesh node that a scene file refers to by name.
     pub(in crate::formats) are_nodes: bool,
     pub(in crate::formats) objects: Vec<PreparedObject>,
     pub(in crate::formats) warnings: Vec<String>,
     pub(in crate::formats) notes: Vec<String>,
 }
 
-/// Reads and checks the bytes of a prepared file.
+/// Decodes and checks a prepared file in memory.
 pub(in crate::formats) fn read(
     path: &Path,
     bytes: &[u8],
@@ -41,7 +41,7 @@ pub(in crate::formats) fn read(
     read_from(path, (&read_at, bytes.len() as u64), budget, progress)
 }
 
-/// Reads and checks a prepared file of so many bytes.
+/// Decodes and checks a prepared file of `length` bytes.
 pub(in crate::formats) fn read_from(
     path: &Path,
     (read_at, length): (ReadAt<'_>, u64),
@@ -63,7 +63,7 @@ pub(in crate::formats) fn read_from(
     source.take(first).map_err(failed)?;
     let mut from = Decoder::new(path, source, budget)?;
     let prepared = contents(&mut from, progress);
-    // What was damaged may be anything: that is said before what it was.
+    // A damaged file can fail to decode in any way: report the damage, not the decoding error that it caused.
     let mut stored = [0; BYTES];
     read_at(end as u64, &mut stored).map_err(failed)?;
     from.verify(stored)?;
@@ -72,7 +72,7 @@ pub(in crate::formats) fn read_from(
     Ok(prepared)
 }
 
-/// What is between header and checksum.
+/// Decodes everything between header and checksum.
 fn contents(from: &mut Decoder<'_>, progress: Progress<'_>) -> Result<Prepared, FormatError> {
     let unit = match from.below("a unit", 1 + LengthUnit::ALL.len())? {
         0 => None,
@@ -80,7 +80,7 @@ fn contents(from: &mut Decoder<'_>, progress: Progress<'_>) -> Result<Prepared, 
     };
     let lines = |what: &str, from: &mut Decoder<'_>| {
         from.each(what, 4, |from| {
-            // One line each, whatever the file holds.
+            // Warnings and notes are shown as one line each: control characters in a forged file must not break it.
             Ok(from.text(what)?.replace(char::is_control, " "))
         })
     };

@@ -1,32 +1,32 @@
-//! The bytes of a prepared file as they arrive: each is read once, straight to where it belongs, and taken into the
-//! checksum there.
+//! A prepared file as a stream. Large slices are read directly into their destination; all bytes are hashed.
 
 use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
 use crate::digest::Digester;
 use rayon::prelude::*;
 use std::io;
 
-/// Reads all of a slice from a place of a file on.
+/// Fills the whole slice from an offset in a file.
 pub(in crate::formats) type ReadAt<'s> = &'s (dyn Fn(u64, &mut [u8]) -> io::Result<()> + Sync);
 
-/// Bytes that are read ahead for what is small; what is as large is read by itself. More are read twice as often by threads
-/// that wait for each other; with fewer the system is asked more often.
+/// The size of the read-ahead buffer for small fields; slices as large are read directly, whole blocks of them by
+/// several threads. With a larger buffer, longer lists go through it, which costs one more copy on one thread; with a
+/// smaller one there are more system calls.
 const AHEAD: usize = 1 << 16;
 
-/// Bytes on their way from a file to its contents.
+/// A stream over a file's bytes, without its checksum.
 pub(super) struct Source<'s> {
     read_at: ReadAt<'s>,
-    /// How many there are.
+    /// The number of bytes.
     length: usize,
-    /// How many were taken.
+    /// The number of bytes taken.
     taken: usize,
-    /// Those that were read ahead, and how many of them were taken.
+    /// The read-ahead buffer, and how many of its bytes were taken.
     ahead: (Vec<u8>, usize),
     sums: Checksums,
 }
 
 impl<'s> Source<'s> {
-    /// The first bytes of a file.
+    /// A stream over the first `length` bytes of a file.
     pub(super) fn new(read_at: ReadAt<'s>, length: usize) -> Self {
         Self {
             read_at,
@@ -37,22 +37,22 @@ impl<'s> Source<'s> {
         }
     }
 
-    /// How many there are.
+    /// The number of bytes.
     pub(super) fn length(&self) -> usize {
         self.length
     }
 
-    /// How many were taken.
+    /// The number of bytes taken.
     pub(super) fn taken(&self) -> usize {
         self.taken
     }
 
-    /// How many are left.
+    /// The number of bytes left.
     pub(super) fn left(&self) -> usize {
         self.length - self.taken
     }
 
-    /// Fills a slice that is no longer than what is left.
+    /// Fills a slice, which must not be longer than the bytes left.
     pub(super) fn take(&mut self, mut to: &mut [u8]) -> io::Result<()> {
         while !to.is_empty() {
             let (ahead, used) = &mut self.ahead;
@@ -78,7 +78,7 @@ impl<'s> Source<'s> {
         Ok(())
     }
 
-    /// Fills a slice, whole blocks by several threads.
+    /// Fills a slice without the buffer; several threads read and hash its whole blocks.
     fn take_directly(&mut self, to: &mut [u8]) -> io::Result<()> {
         let begun = self.taken % BLOCK;
         let first = if begun == 0 {
@@ -109,7 +109,7 @@ impl<'s> Source<'s> {
         Ok(())
     }
 
-    /// The checksum of all there are; what was not taken is read for it.
+    /// The checksum of all bytes; reads those not taken yet.
     pub(super) fn checksum(&mut self) -> io::Result<[u8; BYTES]> {
         let mut rest = Vec::new();
         while self.left() > 0 {
@@ -120,11 +120,11 @@ impl<'s> Source<'s> {
     }
 }
 
-/// The checksums of a file's blocks.
+/// Hashes of a file's blocks.
 struct Checksums {
-    /// Of the block that is begun, so many bytes of it.
+    /// The hash of the current block, and how many of its bytes it has so far.
     begun: (Digester, usize),
-    /// Of those before it.
+    /// The hashes of the blocks before it.
     finished: Vec<u8>,
 }
 
@@ -169,8 +169,7 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// Slices of any length, small, large, and over the borders of blocks, hold the bytes in their order, and the checksum
-    /// is that of all of them.
+    /// Slices of any length, also across blocks, get the bytes in order, and the checksum covers all bytes.
     #[test]
     fn bytes_arrive_in_order_and_are_all_in_the_checksum() {
         let mut random = Random(97);

@@ -1,4 +1,4 @@
-//! Truth: the readers of the files that were prepared, and trees that are built anew.
+//! Ground truth: what the readers of the original files give, and newly built trees.
 
 use super::checksum::{BYTES, checksum};
 use super::header::HEADER_BYTES;
@@ -38,14 +38,14 @@ fn read_back(bytes: &[u8]) -> Result<SceneFile, FormatError> {
     read_scene(&path, &|_| ())
 }
 
-/// The refusal of prepared bytes, without their file.
+/// The error message for prepared bytes, without the file's name.
 fn refusal(bytes: &[u8]) -> String {
     let read = super::read(Path::new("a"), bytes, &Budget::default(), &|_| ());
     let told = read.err().expect("a refusal").to_string();
     told.strip_prefix("a: ").expect("the file").to_owned()
 }
 
-/// The same bytes with others at a place, under their own checksum.
+/// The bytes with some replaced at `at`, and with a correct checksum.
 fn changed(bytes: &[u8], at: usize, to: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     bytes[at..at + to.len()].copy_from_slice(to);
@@ -59,7 +59,7 @@ fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// A mesh with everything that a mesh can have, with copies and dropped triangles.
+/// A mesh with every optional attribute, with duplicate and dropped triangles.
 fn rich() -> Mesh {
     let texture = |texel: u8, wrap| {
         let texture = Texture::new(2, 1, vec![[texel; 4], [9; 4]]);
@@ -143,7 +143,7 @@ fn ball(segments: u32) -> Mesh {
     Mesh::new(shape.mesh().expect("a shape"))
 }
 
-/// Two trees give rays the same hits, bit for bit.
+/// Asserts that rays have bitwise equal hits in both trees.
 fn answer_alike(a: &Accel, b: &Accel) {
     let mut random = Random(5);
     let bounds = a.bounds();
@@ -199,7 +199,7 @@ fn a_prepared_mesh_keeps_all_its_fields() {
             .is_some_and(|path| path.ends_with("x.png"))
     );
     let (mesh, before) = (&first.mesh, &file.scene.objects[0].mesh);
-    // What a checksum of content passes over.
+    // Properties that the digest of the content does not cover.
     assert_eq!(mesh.kept(), before.kept());
     assert_eq!(mesh.dropped(), before.dropped());
     assert!(mesh.dropped().total() >= 3);
@@ -219,9 +219,9 @@ fn a_prepared_mesh_keeps_all_its_fields() {
     assert_eq!(mesh.rounding(), before.rounding());
     assert_eq!(mesh.bounds(), before.bounds());
     let tree = mesh.tree().expect("a tree");
-    // Copies are in no tree.
+    // Duplicates are not in the tree.
     assert_eq!(tree.order.len() + 2, mesh.kept().len());
-    // What is prepared again is the same.
+    // Preparing the result again gives the same bytes.
     let again = prepared(&read);
     let third = read_back(&again).expect("a good file");
     assert_eq!(third.scene.objects[0].mesh.tree(), Some(tree));
@@ -257,7 +257,7 @@ fn rays_hit_the_same_with_and_without_a_kept_tree() {
     for count in [1, 2, 5] {
         let plain = scene(&|_, mesh| Arc::new(mesh.clone()), count);
         let known = scene(&|_, mesh| kept(mesh), count);
-        // Some of them alone have a tree.
+        // Only some of the meshes have a tree.
         let mixed = scene(
             &|i, mesh| {
                 if i % 2 == 0 {
@@ -339,7 +339,7 @@ fn other_versions_and_damage_are_named() {
     );
 }
 
-/// A prepared row of triangles, and where its list of vertices stands.
+/// A prepared row of triangles, and the offset of its vertex list.
 fn row() -> (Vec<u8>, usize) {
     let positions = (0..14).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0));
     let mesh = Mesh::new(MeshData {
@@ -348,7 +348,7 @@ fn row() -> (Vec<u8>, usize) {
         ..MeshData::default()
     });
     let bytes = prepared_scene(Scene::from(mesh));
-    // Unit, warnings, notes with their one text, textures, meshes, and the mesh's offset.
+    // Skips unit, warnings, notes with one string, textures, meshes, and the mesh's offset.
     let note = 4 + "prepared from no file".len();
     (bytes, HEADER_BYTES + 4 + 4 + 4 + note + 4 + 4 + 24)
 }
@@ -361,7 +361,7 @@ fn crafted_files_with_right_checksums_are_refused() {
     let triangles = positions + 4 + 14 * 12;
     assert_eq!(word(triangles), 12);
     let dropped = triangles + 4 + 12 * 12;
-    // Dropped numbers, five counts, no normals, no coordinates, five empty lists, rounding.
+    // Skips the ids of dropped triangles, five counts, no normals, no coordinates, five empty lists, rounding.
     let order = dropped + 4 + 20 + 8 + 20 + 20;
     assert_eq!(word(order), 12);
     let nodes = order + 4 + 12 * 4;
@@ -404,7 +404,7 @@ fn crafted_files_with_right_checksums_are_refused() {
         (last + 4, number(1), "children that do not fit it"),
     ] {
         if expected.is_empty() {
-            // What follows is read as something else, or it is another mesh: no panic.
+            // The change shifts what follows, or makes another valid mesh. Only the absence of a panic is tested.
             let bytes = changed(&bytes, at, &to);
             drop(super::read(
                 Path::new("a"),
@@ -418,7 +418,7 @@ fn crafted_files_with_right_checksums_are_refused() {
         assert!(told.contains(expected), "{at}: {told}");
         assert_eq!(told.lines().count(), 1);
     }
-    // A triangle less in the tree.
+    // Removes one triangle from the tree.
     let mut less = bytes[..order].to_vec();
     less.extend(number(4));
     less.extend(&bytes[order + 4..order + 20]);
@@ -430,7 +430,7 @@ fn crafted_files_with_right_checksums_are_refused() {
     assert!(told.contains("a triangle is in no leaf"), "{told}");
 }
 
-/// What is accepted has a tree of all its triangles, and rays hit what they hit in one that is built anew.
+/// A file that is accepted has a tree of all its triangles, and rays hit the same as in a newly built tree.
 #[test]
 fn random_changes_under_right_checksums_are_refused_or_sound() {
     let mut random = Random(11);
@@ -452,7 +452,7 @@ fn random_changes_under_right_checksums_are_refused_or_sound() {
             match below(4) {
                 0 => bytes[at] ^= 1 << below(8),
                 1 => bytes[at] = below(256) as u8,
-                // A word becomes another that is near, or one that stands elsewhere.
+                // Replaces a word by a nearby value, or by a word from elsewhere in the file.
                 2 => {
                     let word = u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four"));
                     let word = word.wrapping_add(below(5) as u32).wrapping_sub(2);
@@ -501,10 +501,10 @@ fn a_chain_of_nodes_is_too_deep() {
     });
     let chain = |length: u32| {
         let order = (0..200).collect();
-        // The first child is a leaf of one triangle, the second has all that follow.
+        // A chain: each first child is a leaf of one triangle, the second child has the rest.
         let mut nodes = vec![[1, 0]; length as usize];
         let left = 200 - length;
-        // Halves of what is left.
+        // The rest is halved.
         fn halve(count: u32, nodes: &mut Vec<[u32; 2]>) {
             if count > 4 {
                 let at = nodes.len();

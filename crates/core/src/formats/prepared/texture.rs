@@ -6,7 +6,7 @@ use crate::formats::error::FormatError;
 use crate::scene::{Color, Texture, Wrap};
 use std::io;
 
-/// Bytes of one at least.
+/// The least number of bytes of a texture in the file.
 pub(super) const LEAST: usize = 8 + 2 * 8 + 4;
 
 pub(super) fn write(texture: &Texture, to: &mut Encoder<'_>) -> io::Result<()> {
@@ -49,7 +49,7 @@ pub(super) fn read(from: &mut Decoder<'_>) -> Result<Texture, FormatError> {
     }
 }
 
-/// A colour as R, G, B and zero.
+/// A colour as a word: R, G, B, zero.
 pub(super) fn word(Color([r, g, b]): Color) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }

@@ -22,34 +22,35 @@ use std::sync::Arc;
 /// Why a prepared file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum PrepareError {
-    /// The system's refusal.
+    /// An error of the output.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// More triangles than 32-bit numbers can name.
+    /// More triangles than 32-bit ids can tell apart.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// No object.
     #[error("there is no mesh to prepare")]
     Nothing,
-    /// What a scene file says, which a prepared file does not hold.
+    /// A setting of a scene file, which a prepared file cannot hold.
     #[error(
         "a prepared file holds meshes, and not a scene file's {what}: prepare the meshes that the scene file names, \
          and name the prepared ones in it"
     )]
     OfSceneFile {
-        /// What the scene file says.
+        /// The setting.
         what: String,
     },
 }
 
-/// Writes what was read from mesh files as a prepared file (`.raycast`), which [`read_scene`](crate::formats::read_scene)
-/// reads at once: meshes as they are stored, with their materials, images and trees. `path` is where the bytes will be: an
-/// object's image is remembered from there.
+/// Writes the contents of mesh files as a prepared file (`.raycast`): meshes, materials, textures and BVHs as they
+/// are in memory, so that [`read_scene`](crate::formats::read_scene) need not parse or build. `path` is where the
+/// file will be; paths of the objects' textures are stored relative to it.
 ///
-/// The tree over each mesh is built for it. Bytes depend on the meshes alone, and not on the number of threads.
+/// The BVH of each mesh is built here. The bytes depend only on the meshes, not on the number of threads.
 ///
 /// # Errors
-/// Those of `out`; what only scene files have: a camera, colours, places that are no matrix; nothing to write.
+/// Those of `out`; settings that only scene files have (a camera, colours, a transform that is not a matrix); no
+/// objects.
 pub fn write_prepared(
     file: &SceneFile,
     path: &Path,
@@ -57,13 +58,13 @@ pub fn write_prepared(
 ) -> Result<(), PrepareError> {
     check(file)?;
     let contents = Contents::of(file, path);
-    // The length stands before what it counts.
+    // The header holds the file's length, so a first pass counts the bytes.
     let length = contents.write(0, &mut io::sink())?;
     contents.write(length, out)?;
     Ok(())
 }
 
-/// Checks that all there is can be held.
+/// Checks that a prepared file can hold everything in `file`.
 fn check(file: &SceneFile) -> Result<(), PrepareError> {
     let refused = |what: &str| {
         let what = what.to_owned();
@@ -106,7 +107,7 @@ fn check(file: &SceneFile) -> Result<(), PrepareError> {
     }
 }
 
-/// What of an object only a scene file can have said.
+/// The first property of an object that only a scene file can have set.
 fn of_scene_file(object: &Object) -> Option<String> {
     let Object {
         name,
@@ -143,7 +144,7 @@ fn of_scene_file(object: &Object) -> Option<String> {
     Some(format!("{what} of the object {}", quote(name)))
 }
 
-/// What is written.
+/// Everything that is written, collected.
 struct Contents<'c> {
     file: &'c SceneFile,
     notes: Vec<String>,
@@ -194,7 +195,7 @@ impl<'c> Contents<'c> {
         }
     }
 
-    /// Writes it as a file of so many bytes; how many there are.
+    /// Writes the file with `length` in its header; returns the number of bytes.
     fn write(&self, length: u64, out: &mut dyn Write) -> io::Result<u64> {
         let to = &mut Encoder::new(out);
         header::write(length, to)?;
@@ -224,8 +225,8 @@ impl<'c> Contents<'c> {
     }
 }
 
-/// Whether objects are mesh nodes. Of several each is one, so that a scene file can name it, as is one with a place:
-/// a scene file that names a node says all of its place.
+/// Whether objects are mesh nodes. Several objects are, so that a scene file can name each. So is a single object
+/// with a transform: a scene file that names a node sets its whole transform.
 fn are_nodes(objects: &[Object]) -> bool {
     let is_node =
         |object: &Object| object.node.is_some() || object.transform.matrix != DAffine3::IDENTITY;

@@ -12,11 +12,13 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
+use super::rasterize::CONTESTED;
 use super::{ALL, IntervalZBuffer, ROW, SIDE, UNDECIDED, for_each_bit, stored_primitive};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
+use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{CornerLanes, PacketSpace};
 
@@ -153,6 +155,15 @@ impl IntervalZBuffer {
                 if nearest[lane] < self.hi_z[cell] {
                     continue;
                 }
+                if self.contested[cell] > CONTESTED {
+                    let within = PlacesWithin {
+                        centre: [cells.x[lane], cells.y[lane]].map(f64::from),
+                        half: [cells.half_x[lane], cells.half_y[lane]].map(f64::from),
+                    };
+                    if self.is_behind_stored(functions.primitive, (cell, &within), decisions) {
+                        continue;
+                    }
+                }
                 if inside >> lane & 1 != 0 && cuts.is_empty() {
                     self.cover_at(lanes, places, functions, cell, decisions);
                 } else {
@@ -212,7 +223,8 @@ impl IntervalZBuffer {
             let near = value(lanes, depth_key, at);
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided(merge.primitive, undecided, first, decisions);
+                let at = (first, (x, y));
+                self.leave_undecided(merge.primitive, undecided, at, decisions);
             }
         }
     }
@@ -238,7 +250,8 @@ impl IntervalZBuffer {
             let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
             let undecided = merge.row(lanes, near, None, low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided(merge.primitive, undecided, first, decisions);
+                let at = (first, (x, y));
+                self.leave_undecided(merge.primitive, undecided, at, decisions);
             }
         }
     }

@@ -151,7 +151,7 @@ impl IntervalZBuffer {
             }
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided(merge.primitive, undecided, first, decisions);
+                self.leave_undecided_on_lattice(merge.primitive, undecided, first, decisions);
             }
             a = a + step_a;
             b = b + step_b;

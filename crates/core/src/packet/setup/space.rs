@@ -6,7 +6,7 @@ use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
 use crate::num::simd::LANES;
 use crate::packet::depth_reference::DepthReference;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The map of triangles into a packet's space, with the magnitudes of its error bounds.
 #[derive(Clone, Debug)]
@@ -139,6 +139,12 @@ impl PacketSpace {
             reference: reference.key().into(),
             ..self
         }
+    }
+
+    /// Maps a point into packet space.
+    pub(super) fn map_point(&self, point: Vec3) -> [f64; 3] {
+        let relative = point.as_dvec3() - self.origin;
+        self.map.map(|row| relative.dot(row))
     }
 
     /// Maps corners into packet space.

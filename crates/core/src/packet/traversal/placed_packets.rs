@@ -104,6 +104,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 }
                 if !begun {
                     begun = true;
+                    self.decisions.set_rays(&space);
                     zbuffer.clear_places(lanes, places);
                 }
                 let corners = self.corners(lanes, Batch::primitives(&self.batch));

@@ -5,6 +5,7 @@ use crate::hit::Precision;
 use crate::triangle::Nearest;
 use crate::triangle::coplanar::are_coplanar;
 use crate::triangle::exact;
+use crate::triangle::plane::Plane;
 use glam::Vec3;
 use std::cmp::Ordering;
 
@@ -42,6 +43,9 @@ impl PreparedRay {
         }
         let [first, second] =
             [candidate, nearest].map(|hit| (hit.primitive, corners(hit.primitive)));
+        if let Some(order) = self.compare_by_planes(candidate, nearest, first.1, second.1) {
+            return order;
+        }
         let closely =
             [first, second].map(|(primitive, at)| self.intersect_componentwise(primitive, at));
         if let Some(order) = order_of(closely) {
@@ -61,6 +65,29 @@ impl PreparedRay {
             [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
         // Both are known to be hits.
         exact::compare(&self.ray, &candidate, &nearest, self.cull).unwrap_or(Ordering::Greater)
+    }
+
+    /// Which of two hits is nearer, by the plane of either triangle and the corners of the other; `None` where that is
+    /// not sure.
+    fn compare_by_planes(
+        &self,
+        candidate: &Nearest,
+        nearest: &Nearest,
+        first: [Vec3; 3],
+        second: [Vec3; 3],
+    ) -> Option<Ordering> {
+        let behind = |hit: &Nearest, corners: [Vec3; 3], of: [Vec3; 3]| {
+            let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
+            Some(plane.side_of(hit, corners)? > 0.0)
+        };
+        match behind(candidate, first, second) {
+            Some(true) => Some(Ordering::Greater),
+            Some(false) => Some(Ordering::Less),
+            None => match behind(nearest, second, first)? {
+                true => Some(Ordering::Less),
+                false => Some(Ordering::Greater),
+            },
+        }
     }
 }
 

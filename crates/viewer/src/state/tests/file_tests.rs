@@ -256,6 +256,34 @@ fn files_come_beside_what_is_open_and_undo_takes_them_away() {
 }
 
 #[test]
+fn what_comes_beside_is_told_with_a_hint_where_it_is_not_all_in_view() {
+    let mut state = opened(2);
+    let near = Object {
+        name: "near".to_owned(),
+        ..document(&state).scene.objects[0].clone()
+    };
+    let mut far = near.clone();
+    far.transform.translate = DVec3::X * 1e6;
+    let mut told = |objects: Vec<Object>| {
+        let news = News::Added {
+            objects,
+            opened: Vec::new(),
+            unit: None,
+            paths: Vec::new(),
+            notes: Vec::new(),
+            errors: Vec::new(),
+        };
+        receive(&mut state, news, Duration::ZERO);
+        state.toasts.pop().expect("a message").text
+    };
+    assert_eq!(told(vec![near.clone()]), "Added near");
+    assert_eq!(
+        told(vec![near, far]),
+        "Added 2 objects, not all of it in view: View, Fit shows everything"
+    );
+}
+
+#[test]
 fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
     let mut state = opened(2);
     update(&mut state, Command::Look(StandardView::Top));
@@ -366,6 +394,7 @@ fn a_whole_name_that_is_typed_over_the_suggestion_keeps_one_ending() {
     for (typed, written) in [
         ("/out/a.jpg.png", "/out/a.jpg"),
         ("/out/a.png.png", "/out/a.png"),
+        ("/out/a.tif.png", "/out/a.tif"),
         ("/out/a.png", "/out/a.png"),
         ("/out/v1.2.png", "/out/v1.2.png"),
     ] {

@@ -322,7 +322,7 @@ fn an_object_put_elsewhere_in_the_list_takes_its_number_mark_lock_and_children_a
 #[test]
 fn shapes_are_put_in_changed_by_numbers_and_undone() {
     let mut state = opened_to_edit(2);
-    let [cube, _, sphere, ..] = crate::state::shapes::SHAPES;
+    let [cube, _, sphere, ..] = raycast_core::scene::Shape::ALL;
     for shape in [cube, cube, sphere] {
         assert_eq!(
             update(&mut state, Command::AddShape(shape)),
@@ -419,6 +419,29 @@ fn intersections_that_were_found_stay_known_while_the_mesh_is_the_same() {
     assert_eq!((known.count(fault), known.is_sound()), (1, false));
     assert_eq!(known.number(fault, 0), Some("triangles 0 and 0".to_owned()));
     assert_eq!(known.corners(fault, 0).len(), 6);
+}
+
+#[test]
+fn commands_that_change_nothing_leave_nothing_to_undo_or_to_save() {
+    let mut state = opened(2);
+    let name = names(&state)[0].to_string();
+    let transform = document(&state).scene.objects[0].transform;
+    let before = Arc::clone(&document(&state).scene);
+    for command in [
+        Command::Rename(0, name),
+        Command::SetVisible(0, true),
+        Command::ShowAll,
+        Command::SetTransform(0, transform),
+        Command::SetColorRule(None, ColorRule::File),
+        Command::RemoveTexture(None),
+    ] {
+        assert_eq!(update(&mut state, command.clone()), None, "{command:?}");
+        assert_eq!(state.history.undo_name(), None, "{command:?}");
+        assert!(Arc::ptr_eq(&document(&state).scene, &before), "{command:?}");
+    }
+    assert!(!state.has_unsaved());
+    update(&mut state, Command::Rename(0, "another".to_owned()));
+    assert_eq!(state.history.undo_name(), Some("Rename"));
 }
 
 #[test]

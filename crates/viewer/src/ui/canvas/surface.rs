@@ -1,4 +1,4 @@
-//! The picture's pixels in memory, and their copy on the graphics side.
+//! The picture's pixels in memory, and their copy in graphics memory.
 
 use crate::ui::pixels::{copy, few, part};
 use crate::ui::present::{Dirty, Presenter};
@@ -8,10 +8,10 @@ use raycast_core::camera::Rect;
 use raycast_core::render::Tile;
 use std::sync::Arc;
 
-/// Nearest: few rays show as the blocks that they are.
+/// Nearest: each ray of a coarse picture shows as a block.
 const OPTIONS: TextureOptions = TextureOptions::NEAREST;
 
-/// How the picture gets to the window in this frame.
+/// How the picture is shown in this frame.
 #[derive(Clone, Copy, Default)]
 enum Shown {
     /// Not at all.
@@ -23,11 +23,11 @@ enum Shown {
     Painted,
 }
 
-/// Pixels, those that are new, and how they get to the window.
+/// The picture's pixels, which of them are new, and how they are shown.
 #[derive(Default)]
 pub(super) struct Surface {
     pub(super) image: Arc<ColorImage>,
-    /// Whether pixels hold blue first, for the [`Presenter`], in place of red.
+    /// Whether blue comes first in pixels, for the [`Presenter`], rather than red.
     blue_first: bool,
     presenter: Option<Presenter>,
     texture: Option<TextureHandle>,
@@ -36,7 +36,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// No pixels yet; they are copied to the window where it can be done.
+    /// A surface without pixels, shown by the presenter if there is one.
     pub(super) fn with_presenter(presenter: Option<Presenter>) -> Self {
         Self {
             presenter,
@@ -49,14 +49,14 @@ impl Surface {
         (self.image.width() as u32, self.image.height() as u32)
     }
 
-    /// Forgets all pixels.
+    /// Clears all pixels.
     pub(super) fn clear(&mut self) {
         let nothing = self.nothing();
         Arc::make_mut(&mut self.image).pixels.fill(nothing);
         self.dirty = Dirty::All;
     }
 
-    /// Takes a tile's pixels in; whether it fits.
+    /// Stores a tile's pixels; returns whether it fits.
     pub(super) fn put(&mut self, tile: &Tile) -> bool {
         let fits = copy(Arc::make_mut(&mut self.image), tile, self.blue_first);
         if fits {
@@ -88,8 +88,8 @@ impl Surface {
         self.dirty = Dirty::All;
     }
 
-    /// What shows the picture by copying its pixels as they are over `rect`, which is of their number;
-    /// `None` where the window has no such way. To be followed by [`Surface::hand_over`].
+    /// The paint callback that copies the picture's pixels unscaled to `rect`, which has the same size; `None` without
+    /// a presenter. [`Surface::hand_over`] must follow.
     pub(super) fn copy_to(&mut self, rect: egui::Rect) -> Option<egui::Shape> {
         let shape = self.presenter.as_ref()?.shape(rect);
         self.arrange(true);
@@ -97,8 +97,8 @@ impl Surface {
         Some(shape)
     }
 
-    /// Hands the picture over, with what has come since it was put into this frame: the last thing
-    /// before the frame is painted.
+    /// Hands over the picture with all tiles that arrived since it was laid out: the last step before the frame is
+    /// painted.
     pub(super) fn hand_over(&mut self) {
         match (std::mem::take(&mut self.shown), &self.presenter) {
             (Shown::Copied, Some(presenter)) => {
@@ -110,7 +110,7 @@ impl Surface {
         }
     }
 
-    /// A pixel of which nothing is known: clear, or what is behind it where nothing shows through.
+    /// An unknown pixel: transparent, or the backdrop's colour for the presenter, which ignores alpha.
     fn nothing(&self) -> Color32 {
         let [r, g, b, _] = theme::BACKDROP.to_array();
         match (&self.presenter, self.blue_first) {
@@ -120,7 +120,7 @@ impl Surface {
         }
     }
 
-    /// Orders each pixel's bytes.
+    /// Reorders each pixel's bytes.
     fn arrange(&mut self, blue_first: bool) {
         if self.blue_first != blue_first {
             self.blue_first = blue_first;
@@ -132,8 +132,7 @@ impl Surface {
         }
     }
 
-    /// The texture that shows the picture, of its size: brought up to date by [`Surface::hand_over`].
-    /// `None` before the first picture.
+    /// The texture with the picture, which [`Surface::hand_over`] updates. `None` before the first picture.
     pub(super) fn texture(&mut self, context: &egui::Context) -> Option<egui::TextureId> {
         if self.image.pixels.is_empty() {
             return None;
@@ -149,8 +148,7 @@ impl Surface {
         self.texture.as_ref().map(TextureHandle::id)
     }
 
-    /// Brings the texture up to date: at most one transfer of the whole picture, or the few tiles
-    /// that are new.
+    /// Updates the texture: by one transfer of the whole picture, or of the few tiles that are new.
     fn upload(&mut self) {
         let size = self.image.size;
         let Some(texture) = self.texture.as_mut().filter(|of| of.size() == size) else {
@@ -164,7 +162,7 @@ impl Surface {
                     texture.set_partial(corner, part(&self.image, rect), OPTIONS);
                 }
             }
-            // All at once, shared, without a copy: and into the storage that is there.
+            // The whole picture at once, shared without a copy, into the existing texture.
             _ => texture.set_partial([0, 0], Arc::clone(&self.image), OPTIONS),
         }
     }

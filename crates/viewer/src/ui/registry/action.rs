@@ -1,4 +1,4 @@
-//! What a command is called, its keys, when it can be used, what it does.
+//! Actions: commands with a name, keys and a place in the menus.
 
 use super::chord::Chord;
 use crate::state::State;
@@ -9,17 +9,17 @@ use crate::state::command::Command;
 pub enum Menu {
     /// Opening and saving.
     File,
-    /// Undo, and objects.
+    /// Undo and objects.
     Edit,
-    /// Files and shapes beside what is open.
+    /// Adding files and shapes.
     Add,
     /// The camera.
     View,
-    /// What the picture shows.
+    /// The look of the picture.
     Look,
-    /// Measuring, and looking meshes over.
+    /// Measuring, cutting, and checking meshes.
     Tools,
-    /// The window and how it works.
+    /// The window, and preferences.
     Window,
     /// Help.
     Help,
@@ -53,25 +53,25 @@ impl Menu {
     }
 }
 
-/// An entry: something that can be asked for without more being said.
+/// An action: a command that needs no further input.
 pub struct Action {
     /// What it is called in files and tests: `menu.word`.
     pub id: &'static str,
-    /// What it is called in menus.
+    /// Its name in menus.
     pub name: &'static str,
-    /// What it does, in a sentence for tooltips and help.
+    /// Its description, for tooltips and help.
     pub does: &'static str,
-    /// Its usual keys, which a person may change.
+    /// Its default keys, which the key bindings file may change.
     pub keys: &'static [Chord],
     /// Its menu.
     pub menu: Menu,
-    /// Whether a line is drawn above it there.
+    /// Whether a separator is above it there.
     pub is_first_of_group: bool,
-    /// Whether it can be used now.
+    /// Whether it applies now.
     pub applies: fn(&State) -> bool,
-    /// Whether it is on, if it is something that is on or off.
+    /// Whether it is on, for an action that switches something.
     pub is_on: Option<fn(&State) -> bool>,
-    /// What it asks for.
+    /// Its command.
     pub command: fn(&State) -> Command,
 }
 

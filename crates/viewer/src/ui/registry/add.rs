@@ -1,20 +1,20 @@
-//! Shapes to put in.
+//! Adding shapes.
 
 use super::action::{Action, Menu};
 use super::when::has_scene;
 use crate::state::command::Command;
-use crate::state::shapes::SHAPES;
+use raycast_core::scene::Shape;
 
 macro_rules! shape {
     ($index:literal, $id:literal, $name:literal, $does:literal) => {
         Action::of(Menu::Add, $id, $name, $does, &[], |_| {
-            Command::AddShape(SHAPES[$index])
+            Command::AddShape(Shape::ALL[$index])
         })
         .when(has_scene)
     };
 }
 
-/// In the order of their menu, which is that of [`SHAPES`].
+/// In the order of their menu, which is that of [`Shape::ALL`].
 pub(super) static ACTIONS: &[Action] = &[
     shape!(0, "add.cube", "Cube", "Put a cube where one orbits about"),
     shape!(

@@ -1,9 +1,8 @@
-//! Keys with what is held down beside them.
+//! Keys with modifiers.
 
 use egui::Key;
 
-/// A key with what is held down beside it. For keys that are symbols Shift does not count: where it is
-/// needed to type them differs between keyboards.
+/// A key with modifiers. For symbols Shift is ignored: whether it is needed to type them differs between keyboards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chord {
     /// Ctrl, or ⌘ on a Mac.
@@ -54,7 +53,7 @@ pub(super) const fn alt(key: Key) -> Chord {
 }
 
 impl Chord {
-    /// Whether a key that was pressed is this one.
+    /// Whether a pressed key is this one.
     pub fn is(&self, key: Key, modifiers: egui::Modifiers) -> bool {
         self.key == key
             && self.ctrl == modifiers.command
@@ -62,7 +61,7 @@ impl Chord {
             && (self.shift == modifiers.shift || is_symbol(key))
     }
 
-    /// As it is written in menus: `Ctrl+Shift+S`.
+    /// Its name in menus: `Ctrl+Shift+S`.
     pub fn name(&self) -> String {
         let mut name = String::new();
         for (held, modifier) in [
@@ -99,12 +98,12 @@ impl Chord {
         name
     }
 
-    /// Reads what [`Chord::name`] writes, and what people write: `ctrl+shift+s`, `Alt+Left`, `PageUp`.
+    /// Reads a name as [`Chord::name`] writes it, or as people do: `ctrl+shift+s`, `Alt+Left`, `PageUp`.
     ///
     /// # Errors
     /// What was expected.
     pub fn read(text: &str) -> Result<Self, String> {
-        // What stands behind the last plus; a plus itself stands behind none, or behind another.
+        // The key follows the last plus, unless the key is plus itself.
         let (held, name) = match text.strip_suffix('+') {
             Some(held) if held.is_empty() || held.ends_with(['+', '⌘']) => (held, "+"),
             Some(_) => return Err("expected a key behind the last plus".to_owned()),
@@ -146,19 +145,18 @@ impl Chord {
         {
             return Err("this key has a use that cannot be changed".to_owned());
         }
-        // Shift does not tell symbols apart.
+        // Shift is ignored for symbols.
         chord.shift &= !is_symbol(key);
         Ok(chord)
     }
 
-    /// Whether one press is both.
+    /// Whether one press can be both.
     pub fn clashes(&self, other: &Self) -> bool {
         (self.ctrl, self.alt, self.key) == (other.ctrl, other.alt, other.key)
             && (self.shift == other.shift || is_symbol(self.key))
     }
 
-    /// Whether it means the same while a person types: it types nothing, and is not what fields for text use
-    /// themselves to edit and to go about.
+    /// Whether it can be used while text is being typed: it types nothing, and text fields do not use it themselves.
     pub(super) fn works_while_typing(&self) -> bool {
         let number = self.key.name().strip_prefix('F');
         let is_function = number.is_some_and(|number| number.parse::<u8>().is_ok());
@@ -184,7 +182,7 @@ impl Chord {
                 | Key::Delete
                 | Key::Enter
         );
-        // Ctrl with Alt types signs on many keyboards.
+        // Ctrl with Alt types symbols on many keyboards.
         is_function || (self.ctrl && !self.alt && !is_of_text)
     }
 }

@@ -26,7 +26,7 @@ macro_rules! handles {
 macro_rules! step {
     ($id:literal, $name:literal, $does:literal, $key:expr, $down:literal) => {
         Action::of(Menu::Edit, $id, $name, $does, &[alt($key)], |state| {
-            // There is one: the action cannot be used otherwise.
+            // There is one, or the action would not apply.
             let to = step(state, $down).unwrap_or(Insertion {
                 before: usize::MAX,
                 parent: None,
@@ -202,12 +202,12 @@ fn has_selected(state: &State) -> bool {
     state.selected.is_some()
 }
 
-/// The marked object; commands on it apply only where there is one.
+/// The selected object; actions on it apply only if there is one.
 fn selected(state: &State) -> usize {
     state.selected.unwrap_or(usize::MAX)
 }
 
-/// Where the marked object goes by one row.
+/// The position of the selected object after a move by one row.
 fn step(state: &State, down: bool) -> Option<Insertion> {
     let objects = &state.document.as_ref()?.scene.objects;
     Insertion::step(objects, state.selected?, down)
@@ -225,7 +225,7 @@ fn transform(state: &State) -> Option<Transform> {
     Some(object.transform)
 }
 
-/// Where the marked object's file has it, or the file's own matrix where it was read as changed.
+/// The transform of the selected object in its file.
 fn rest(state: &State) -> Transform {
     let matrix = transform(state).map_or(DAffine3::IDENTITY, |transform| transform.matrix);
     Transform::from_matrix(matrix)

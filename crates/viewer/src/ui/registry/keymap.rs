@@ -1,4 +1,4 @@
-//! Which keys commands have: their own, or those that a person gave them.
+//! Key bindings: default keys, and those of the key bindings file.
 
 use super::action::Action;
 use super::chord::Chord;
@@ -6,34 +6,34 @@ use egui::Key;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The keys of all commands.
+/// The keys of all actions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Keymap {
-    /// Keys of commands that have not their own, by the command's id.
+    /// Keys that differ from the default ones, by action id.
     changed: HashMap<&'static str, Vec<Chord>>,
 }
 
 impl Keymap {
-    /// The keys of this window.
+    /// The window's key bindings.
     pub fn of(context: &egui::Context) -> Arc<Self> {
         let id = egui::Id::unique("keymap");
         context.data_mut(|data| Arc::clone(data.get_temp_mut_or_default::<Arc<Self>>(id)))
     }
 
-    /// Makes them the keys of this window.
+    /// Sets the window's key bindings.
     pub fn install(self, context: &egui::Context) {
         let id = egui::Id::unique("keymap");
         context.data_mut(|data| data.insert_temp(id, Arc::new(self)));
     }
 
-    /// A command's keys, the first of which is shown.
+    /// An action's keys; the first one is displayed.
     pub fn keys(&self, action: &Action) -> &[Chord] {
         self.changed
             .get(action.id)
             .map_or(action.keys, Vec::as_slice)
     }
 
-    /// A command's first key as text; empty where it has none.
+    /// An action's first key as text; empty if it has none.
     pub fn key(&self, action: &Action) -> String {
         self.keys(action)
             .first()
@@ -41,7 +41,7 @@ impl Keymap {
             .unwrap_or_default()
     }
 
-    /// For tooltips: a command's name, its key, and what it does.
+    /// A tooltip: an action's name, key and description.
     pub fn hint(&self, action: &Action) -> String {
         let name = action.name.trim_end_matches('…');
         match self.keys(action).first() {
@@ -50,8 +50,7 @@ impl Keymap {
         }
     }
 
-    /// Whether a key that was pressed is a command's; while a person types, only one that cannot be meant for
-    /// the text.
+    /// Whether a pressed key belongs to an action; while text is being typed, only keys that a text field does not use.
     pub fn has(
         &self,
         action: &Action,
@@ -64,7 +63,7 @@ impl Keymap {
             .any(|chord| chord.is(key, modifiers) && (!is_typing || chord.works_while_typing()))
     }
 
-    /// Gives a command other keys; its own again where they are those.
+    /// Sets an action's keys.
     pub(super) fn set(&mut self, action: &'static Action, keys: Vec<Chord>) {
         if keys == action.keys {
             self.changed.remove(action.id);
@@ -73,7 +72,7 @@ impl Keymap {
         }
     }
 
-    /// How many commands have not their own keys.
+    /// The number of actions whose keys differ from the default ones.
     pub fn changed(&self) -> usize {
         self.changed.len()
     }

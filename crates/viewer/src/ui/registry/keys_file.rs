@@ -1,4 +1,4 @@
-//! The file in which a person gives commands other keys.
+//! The key bindings file.
 
 use super::action::Action;
 use super::actions;
@@ -8,19 +8,19 @@ use std::fmt::Write;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-/// The version of the file's form that is read and written.
+/// The version of the file's format.
 const VERSION: &str = "1";
-/// The most faults that are told of a file.
+/// The most faults of a file that are shown.
 const MOST_FAULTS: usize = 5;
 
-/// What a file of keys says.
+/// The contents of a key bindings file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KeysFile {
-    /// The keys, as far as the file could be understood.
+    /// The key bindings that could be read.
     pub keymap: Keymap,
-    /// What could not be, each with its line.
+    /// Faults, each with its line.
     pub faults: Vec<String>,
-    /// Commands that lost a usual key to another one, in words.
+    /// Messages about commands that lost a default key to another one.
     pub taken: Vec<String>,
 }
 
@@ -32,9 +32,9 @@ struct Entry {
 }
 
 impl KeysFile {
-    /// Reads a file, which is called `name` in messages. A fault costs its own line alone: commands that the file
-    /// does not name, or names in a way that is not understood, keep their usual keys. A key that the file gives to
-    /// a command is taken from whichever has it usually; of two commands in the file the first keeps it.
+    /// Reads a file, which messages call `name`. A fault affects only its own line: commands that the file does not
+    /// name, or whose line is faulty, keep their default keys. A key that the file gives to a command is taken from the
+    /// one that has it by default; of two commands in the file the first keeps it.
     pub fn read(name: &str, text: &str) -> Self {
         let mut reading = Reading {
             name,
@@ -54,7 +54,7 @@ impl KeysFile {
         }
     }
 
-    /// A file that changes nothing and says how things are changed.
+    /// A template that changes nothing, with instructions and all commands.
     pub fn template() -> String {
         let mut text = format!(
             "# Keys of RayCast's window. Take the # off a line and give the command other keys:\n\
@@ -87,7 +87,7 @@ impl KeysFile {
     }
 }
 
-/// The first of many faults in the order of their lines, and how many more there are.
+/// The first faults in the order of their lines, and the number of others.
 fn few(mut faults: Vec<(usize, String)>) -> Vec<String> {
     faults.sort_by_key(|(line, _)| *line);
     let mut faults: Vec<_> = faults.into_iter().map(|(_, fault)| fault).collect();
@@ -99,7 +99,7 @@ fn few(mut faults: Vec<(usize, String)>) -> Vec<String> {
     faults
 }
 
-/// The keys of all commands where some are given others, and which lost one by that.
+/// The key bindings with the file's entries applied, and messages about commands that lost a default key.
 fn keymap(entries: Vec<Entry>) -> (Keymap, Vec<String>) {
     let mut keymap = Keymap::default();
     let mut taken = Vec::new();
@@ -190,14 +190,14 @@ impl Reading<'_> {
             let line = self.line(at);
             let is_taken_away = keys.is_empty();
             let keys = self.free(keys, at, action);
-            // A command all of whose keys are others' keeps its usual ones.
+            // A command all of whose keys belong to others keeps its default ones.
             if is_taken_away || !keys.is_empty() {
                 self.entries.push(Entry { line, action, keys });
             }
         }
     }
 
-    /// Keys as they stand in the file; `None` where one of them is none.
+    /// The keys of an entry; `None` if one of them is invalid.
     fn chords(&mut self, value: &DeValue<'_>, at: usize) -> Option<Vec<Chord>> {
         let texts = match value {
             DeValue::String(text) => vec![(text.as_ref(), at)],
@@ -232,7 +232,7 @@ impl Reading<'_> {
         Some(chords)
     }
 
-    /// Of some keys those that no command before this one in the file has.
+    /// The keys that no earlier command in the file has.
     fn free(&mut self, keys: Vec<Chord>, at: usize, action: &Action) -> Vec<Chord> {
         let mut free = Vec::new();
         for key in keys {
@@ -256,7 +256,7 @@ impl Reading<'_> {
     }
 }
 
-/// A table's entries as they follow one another in the file.
+/// A table's entries in the order of the file.
 fn in_order<'a, 't>(
     table: &'a DeTable<'t>,
 ) -> Vec<(&'a Spanned<DeString<'t>>, &'a Spanned<DeValue<'t>>)> {
@@ -265,7 +265,7 @@ fn in_order<'a, 't>(
     entries
 }
 
-/// The commands of a table, what each is given, and where; `view.fit` unquoted is one table in another.
+/// The commands of a table, with values and positions; an unquoted `view.fit` is a nested table.
 fn flatten<'a>(
     path: &str,
     table: &'a DeTable<'_>,
@@ -281,7 +281,7 @@ fn flatten<'a>(
     commands.sort_by_key(|(_, _, at)| *at);
 }
 
-/// A word of a file, shortened where it is no word.
+/// A quoted word of a file, shortened if it is long.
 fn quoted(text: &str) -> String {
     const MOST_CHARACTERS: usize = 40;
     let mut start: String = text.chars().take(MOST_CHARACTERS).collect();
@@ -291,7 +291,7 @@ fn quoted(text: &str) -> String {
     format!("{start:?}")
 }
 
-/// The command whose id is most like this one.
+/// The command with the most similar id.
 fn nearest(id: &str) -> &'static str {
     let like = |action: &&Action| (strsim::jaro_winkler(action.id, id) * 1e6) as u64;
     actions()

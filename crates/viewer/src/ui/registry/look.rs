@@ -1,4 +1,4 @@
-//! What the picture shows.
+//! The look of the picture.
 
 use super::action::{Action, Menu};
 use super::chord::{alt, plain, shift};
@@ -121,7 +121,7 @@ pub(super) static ACTIONS: &[Action] = &[
     .on(|state| state.preferences.refine),
 ];
 
-/// The mode so many places behind the one that is shown.
+/// The mode so many places after the present one.
 fn mode_after(state: &State, step: usize) -> Command {
     let now = MODES
         .iter()

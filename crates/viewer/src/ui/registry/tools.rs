@@ -1,4 +1,4 @@
-//! Measuring, cutting, and looking meshes over.
+//! Measuring, cutting, and checking meshes.
 
 use super::action::{Action, Menu};
 use super::chord::plain;
@@ -161,7 +161,7 @@ pub(super) static ACTIONS: &[Action] = &[
     .when(has_scene),
 ];
 
-/// The last clipping plane in the list that cuts.
+/// The last clipping plane that is switched on.
 fn newest_plane(state: &State) -> Option<usize> {
     let planes = state.settings.clip.all();
     planes.iter().rposition(|plane| plane.enabled)

@@ -1,4 +1,4 @@
-//! When commands apply, where several ask the same.
+//! Conditions that several actions share.
 
 use crate::state::State;
 

@@ -1,4 +1,4 @@
-//! The window and how it works.
+//! The window, and preferences.
 
 use super::action::{Action, Menu};
 use super::chord::{ctrl, plain};
@@ -109,5 +109,5 @@ pub(super) static ACTIONS: &[Action] = &[
     ),
 ];
 
-/// How much larger or smaller the interface gets at a time.
+/// The factor of one step of the interface's scale.
 const SCALE_STEP: f32 = 1.1;

@@ -1,0 +1,203 @@
+//! Textures on eight samples of a row at once.
+
+use super::TileShader;
+use super::facet::Mapping;
+use super::hit_rows::EightHits;
+use super::sample::sample_eight;
+use super::smooth::{Row, Rows, Vectors};
+use super::tile_rays::TileRays;
+use super::triplanar::Triplanar;
+use crate::MISS;
+use crate::hits::runs;
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::scene::Texture;
+use glam::Vec3;
+
+/// What samples share whose textures are read at once.
+#[derive(Clone, Copy)]
+struct Shared<'a> {
+    texture: &'a Texture,
+    /// The mapping, unless it is by texture coordinates.
+    triplanar: Option<&'a Triplanar>,
+}
+
+impl Shared<'_> {
+    fn is(&self, other: Shared<'_>) -> bool {
+        let is_same_mapping = match (self.triplanar, other.triplanar) {
+            (None, None) => true,
+            (Some(one), Some(other)) => std::ptr::eq(one, other),
+            _ => false,
+        };
+        is_same_mapping && std::ptr::eq(self.texture, other.texture)
+    }
+}
+
+/// Where eight samples read their texture: at one place each, or at one a side.
+#[derive(Default)]
+struct Sides {
+    count: usize,
+    weights: [Row; 3],
+    uv: [[[f64; LANES]; 2]; 3],
+}
+
+impl Sides {
+    /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texturing::Texturing::sampled) has it.
+    #[inline(always)]
+    fn set_uv<F: F32x8>(&mut self, corners: &[F; 18], (u, v): (&Row, &Row)) {
+        let mut all = [[0.0; LANES]; 6];
+        for (all, corners) in all.iter_mut().zip(corners) {
+            corners.store(all);
+        }
+        let [ax, ay, bx, by, cx, cy] = all;
+        for (coordinates, [a, b, c]) in self.uv[0].iter_mut().zip([[ax, bx, cx], [ay, by, cy]]) {
+            for lane in 0..LANES {
+                let [a, b, c] = [a[lane], b[lane], c[lane]].map(f64::from);
+                let (u, v) = (f64::from(u[lane]), f64::from(v[lane]));
+                coordinates[lane] = a + (b - a) * u + (c - a) * v;
+            }
+        }
+        self.weights[0] = [1.0; LANES];
+        self.count = 1;
+    }
+
+    /// [`Triplanar::sides`] between corners and normals.
+    #[inline(always)]
+    fn set_triplanar<L: Lanes>(
+        &mut self,
+        lanes: L,
+        triplanar: &Triplanar,
+        corners: &[L::F32; 18],
+        (u, v): (&Row, &Row),
+    ) {
+        let [ax, ay, az, bx, by, bz, cx, cy, cz, rest @ ..] = *corners;
+        let [dx, dy, dz, ex, ey, ez, fx, fy, fz] = rest;
+        let (u, v) = (lanes.load(u), lanes.load(v));
+        let corners = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
+        let normals = [[dx, dy, dz], [ex, ey, ez], [fx, fy, fz]];
+        let point = Vectors::between(lanes, corners, u, v).store();
+        let normal = Vectors::between(lanes, normals, u, v).unit_or_zero();
+        let squared = normal.times(normal);
+        let fourth = squared.times(squared);
+        let [x, y, z] = fourth.xyz();
+        let sum = x + y + z;
+        let weights = fourth.divided(sum);
+        let weights = Vectors::splat(lanes, Vec3::Z).replaced(lanes.splat(0.0).lt(sum), weights);
+        self.weights = weights.store().0;
+        self.uv = triplanar.eight_sides(&point.0, &normal.store().0);
+        self.count = 3;
+    }
+}
+
+impl TileShader<'_> {
+    /// The surfaces' own colours mixed with their textures, in linear light.
+    ///
+    /// At once where all that have a texture have the same one and the same mapping, by texture coordinates or from three
+    /// sides, and without a footprint; else sample by sample.
+    #[inline(always)]
+    pub(super) fn textured<L: Lanes>(
+        &mut self,
+        lanes: L,
+        rays: &TileRays,
+        place: (u32, u32),
+        hits: &EightHits<'_>,
+        own: Vectors<L>,
+    ) -> Vectors<L> {
+        let shader = self.shader();
+        let zero = lanes.splat(0.0);
+        let mut found: Option<Shared<'_>> = None;
+        let mut is_shared = !shader.filter().has_footprint() && hits.weights.is_some();
+        let (mut is_textured, mut is_tinted) = (zero, zero);
+        let mut corners = [zero; 18];
+        for run in runs(hits.primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let from = lanes.mask_from(run.first);
+            let mut textured = 0.0;
+            if let (Some(mapping), Some(texture)) = (&facet.texture, shader.texture_on(facet)) {
+                let one = Shared {
+                    texture,
+                    triplanar: shader.triplanar_of(facet, mapping),
+                };
+                is_shared &= found.is_none_or(|found| found.is(one)) & facet.blends.is_none();
+                found = Some(one);
+                textured = 1.0;
+                match mapping {
+                    Mapping::Uv(uvs) => {
+                        let one = uvs.map(|uv| uv.to_array());
+                        for (corners, one) in corners.iter_mut().zip(one.as_flattened()) {
+                            *corners = from.select(lanes.splat(*one), *corners);
+                        }
+                    }
+                    Mapping::Triplanar([a, b, c], [d, e, f]) => {
+                        let one = [a, b, c, d, e, f].map(|vector| vector.to_array());
+                        for (corners, one) in corners.iter_mut().zip(one.as_flattened()) {
+                            *corners = from.select(lanes.splat(*one), *corners);
+                        }
+                    }
+                    Mapping::Placed(_) | Mapping::Photographed(_) => is_shared = false,
+                }
+            }
+            is_textured = from.select(lanes.splat(textured), is_textured);
+            let tinted = if facet.is_tinted { 1.0 } else { 0.0 };
+            is_tinted = from.select(lanes.splat(tinted), is_tinted);
+        }
+        let Some(found) = found else {
+            return own;
+        };
+        let (true, Some(weights)) = (is_shared, hits.weights) else {
+            return self.textured_one_by_one(lanes, rays, place, hits);
+        };
+        let mut sides = Sides::default();
+        match found.triplanar {
+            None => sides.set_uv(&corners, weights),
+            Some(triplanar) => sides.set_triplanar(lanes, triplanar, &corners, weights),
+        }
+        let mut texel = Vectors::splat(lanes, Vec3::ZERO);
+        let mut alpha = zero;
+        for side in 0..sides.count {
+            let uv = &sides.uv[side];
+            let (color, opacity) =
+                sample_eight(lanes, shader.tables, found.texture, uv, shader.filter());
+            let weight = lanes.load(&sides.weights[side]);
+            texel = texel.plus(color.scaled(weight));
+            alpha = alpha + opacity * weight;
+        }
+        let blend = lanes.splat(shader.blend());
+        let texel = texel.replaced(zero.lt(is_tinted), texel.times(own));
+        let rest = lanes.splat(1.0) - alpha * blend;
+        let mixed = own.scaled(rest).plus(texel.scaled(blend));
+        own.replaced(zero.lt(is_textured), mixed)
+    }
+
+    /// [`TileShader::textured`] of any textures.
+    #[inline(always)]
+    fn textured_one_by_one<L: Lanes>(
+        &mut self,
+        lanes: L,
+        rays: &TileRays,
+        (column, row): (u32, u32),
+        hits: &EightHits<'_>,
+    ) -> Vectors<L> {
+        let mut each = Rows::ZERO;
+        self.each_surface_color(rays, (column, row), hits, &mut each);
+        Vectors::load(lanes, &each)
+    }
+
+    #[inline(never)]
+    fn each_surface_color(
+        &mut self,
+        rays: &TileRays,
+        (column, row): (u32, u32),
+        hits: &EightHits<'_>,
+        each: &mut Rows,
+    ) {
+        let shader = self.shader();
+        for lane in 0..LANES {
+            let hit = hits.get(lane);
+            if hit.primitive != MISS {
+                let facet = self.facet(hit.primitive, 0.0);
+                let place = || rays.place(column + lane as u32, row);
+                each.set(lane, shader.surface_color(facet, place, &hit));
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! What a mode needs of hits and of triangles, and whether it is shaded eight samples at once. What is not needed is not
+//! computed.
+
+use super::Shader;
+use crate::hit::{Detail, HitNumbers};
+use crate::scene::{Object, Reflectance, Scene};
+use crate::shade::eight_colors::EightColors;
+use crate::shade::facet::Needs;
+use crate::shade::own_color::OwnColors;
+use crate::shade::{Mode, Shading};
+use std::sync::Arc;
+
+impl Shader<'_> {
+    /// Whether colours depend on where rays hit, or on the triangles alone.
+    pub fn detail(&self) -> Detail {
+        let needs = self.needs;
+        let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
+        let weighs = weighs || (needs.edges && self.lines.has_silhouettes());
+        let weighs = weighs || self.ground.is_some();
+        if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
+            Detail::Full
+        } else {
+            Detail::Triangle
+        }
+    }
+
+    /// Which of t, u and v colours depend on.
+    pub(crate) fn hit_numbers(&self) -> HitNumbers {
+        let has_lines = self.needs.edges || self.ground.is_some();
+        match self.shading.mode {
+            _ if has_lines || self.has_photographs() || self.translucent.is_some() => {
+                HitNumbers::All
+            }
+            Mode::Depth => HitNumbers::T,
+            _ => HitNumbers::Weights,
+        }
+    }
+
+    /// Whether all pixels of a triangle have one colour.
+    pub(in crate::shade) fn is_constant(&self) -> bool {
+        let is_flat = match self.shading.mode {
+            Mode::Color | Mode::Flat | Mode::Texture => true,
+            Mode::Normals => !self.needs.smooth,
+            _ => false,
+        };
+        is_flat
+            && !self.needs.texture
+            && !self.needs.varied
+            && !self.needs.edges
+            && self.ground.is_none()
+            && !self.has_many_eyes()
+    }
+
+    /// Whether colours of eight samples at once depend on the direction to the eye.
+    pub(in crate::shade) fn looks_at_eyes(&self) -> bool {
+        let colors = self.eight_colors();
+        matches!(colors, Some(EightColors::Smooth | EightColors::Material))
+    }
+
+    /// How eight samples are shaded at once; `None` where samples are shaded one by one.
+    pub(in crate::shade) fn eight_colors(&self) -> Option<EightColors> {
+        let is_parallel = self.camera.projection().is_parallel();
+        let shows_ground = self.ground.is_some() && is_parallel;
+        let bends_lines = self.needs.edges && self.is_panoramic();
+        if shows_ground || bends_lines || self.lines.overlay.is_some() || self.has_many_eyes() {
+            return None;
+        }
+        match self.shading.mode {
+            Mode::Color | Mode::Texture => Some(EightColors::Own),
+            Mode::Flat => Some(EightColors::Flat),
+            Mode::Smooth => Some(EightColors::Smooth),
+            // Images of metal and roughness are read one by one.
+            Mode::Material if !self.needs.uvs => Some(EightColors::Material),
+            Mode::Normals => Some(EightColors::Normals),
+            Mode::Depth if self.depth.are_grey() => Some(EightColors::Depth),
+            Mode::Barycentric => Some(EightColors::Barycentric),
+            Mode::Uv => Some(EightColors::Uv),
+            Mode::Wireframe if self.background.is_some() => Some(EightColors::Lines),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a mode shows the objects' own colours.
+pub(super) fn is_colored(mode: Mode) -> bool {
+    matches!(
+        mode,
+        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture | Mode::XRay
+    )
+}
+
+/// What a mode needs of triangles.
+pub(super) fn needs_of(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
+    let colored = is_colored(shading.mode);
+    let has_normals = || {
+        let mut objects = scene.objects.iter();
+        shading.is_creased() || objects.any(|object| object.mesh.has_normals())
+    };
+    let reflects = shading.mode == Mode::Material;
+    let has_images = || {
+        let mut objects = scene.objects.iter();
+        objects.any(|object| {
+            let mut materials = object.mesh.materials().iter();
+            let has_images = |known: &Arc<Reflectance>| known.has_textures();
+            materials.any(|material| material.reflectance.as_ref().is_some_and(has_images))
+        })
+    };
+    let has_texture = || scene.objects.iter().any(Object::has_texture);
+    Needs {
+        normal: shading.mode == Mode::Flat || shading.mode.shows_normals(),
+        light: shading.mode == Mode::Flat,
+        smooth: shading.mode.shows_normals() && has_normals(),
+        color: colored,
+        varied: colored && own_colors.vary,
+        texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
+        uvs: shading.mode == Mode::Uv || reflects && has_images(),
+        reflectance: reflects,
+        edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
+        ground: false,
+    }
+}

@@ -1,0 +1,221 @@
+//! The plane of a triangle, and on which side of it the corners of another triangle lie.
+//!
+//! Of two triangles that a ray hits, the one whose plane n·(p − a) = 0 separates the other's hit from the ray's origin is
+//! nearer. The other's hit is a mean of its corners bₖ, so its signed distance from the plane is the same mean of their
+//! distances sₖ = n·(bₖ − a); and where all of these have one sign, no matter which mean (the plane tests of Newell,
+//! Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972).
+//!
+//! The sₖ are accurate to their own size, however far away the ray starts: what cancels in them is the distance of the
+//! triangles from one another, while two parameters of hits must first be known to the last digit to be compared.
+//!
+//! # Error bounds
+//! ε = 2⁻⁵³. All bounds are to first order in ε; 8 is more than the higher orders need.
+//!
+//! Edges are off by ε of themselves, a product of two by 3ε, a component of n by 4εp, p being the sum of its two products'
+//! magnitudes. bₖ − a is off by ε of itself, a sum of three products by 3ε: sₖ is off by less than 8εΣp|bₖ − a|, and so is
+//! n·d by 8εΣp|d|. A vector that is off by η more adds ηΣp.
+
+use super::Nearest;
+use glam::{DVec3, Vec3};
+
+/// The unit roundoff of double precision.
+const EPSILON: f64 = f64::EPSILON / 2.0;
+
+/// Sums below this may have lost digits to underflow, and their signs prove nothing: they are of products of at most
+/// six coordinates, which may be off by 10⁻³²³ times the others. With a greater value planes of subnormal coordinates
+/// would decide less.
+pub(crate) const LEAST: f64 = 1e-250;
+
+/// The error of a hit's weights: they are rounded well in single precision, within 2⁻²⁶
+/// ([`WELL_CONDITIONED`](super::edges::WELL_CONDITIONED)).
+const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// A triangle's plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane {
+    /// a.
+    corner: DVec3,
+    /// n.
+    normal: DVec3,
+    /// p.
+    magnitude: DVec3,
+}
+
+impl Plane {
+    pub(crate) fn new(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let (u, v) = (b - a, c - a);
+        let plus = DVec3::new(u.y * v.z, u.z * v.x, u.x * v.y);
+        let minus = DVec3::new(u.z * v.y, u.x * v.z, u.y * v.x);
+        Self {
+            corner: a,
+            normal: plus - minus,
+            magnitude: plus.abs() + minus.abs(),
+        }
+    }
+
+    /// The plane with its normal turned to the side that rays of a direction go to; the direction is off by at most
+    /// `error`. `None` where that is not sure.
+    pub(crate) fn turned_along(mut self, direction: DVec3, error: f64) -> Option<Self> {
+        let value = self.normal.dot(direction);
+        let error = self.error(direction.abs()) + error * self.magnitude.element_sum();
+        self.normal *= value.signum();
+        // NaN fails this comparison.
+        (value.abs() > error + LEAST).then_some(self)
+    }
+
+    /// [`Plane::turned_along`] for rays that start at an eye, off by at most `error`, and hit the triangle.
+    pub(crate) fn turned_from(self, eye: DVec3, error: f64) -> Option<Self> {
+        self.turned_along(self.corner - eye, error)
+    }
+
+    /// A point's signed distance times the normal's length, and the bound on its error.
+    #[inline(always)]
+    pub(crate) fn distance(&self, point: Vec3) -> (f64, f64) {
+        let relative = point.as_dvec3() - self.corner;
+        (self.normal.dot(relative), self.error(relative.abs()))
+    }
+
+    /// The bound on the error of a product with the normal.
+    #[inline(always)]
+    fn error(&self, factors: DVec3) -> f64 {
+        8.0 * EPSILON * self.magnitude.dot(factors)
+    }
+
+    /// On which side of the plane a triangle's hit lies: 1.0 where the normal points to, or −1.0. `None` where that is
+    /// not sure.
+    pub(super) fn side_of(&self, hit: &Nearest, corners: [Vec3; 3]) -> Option<f64> {
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let (mut value, mut error) = (0.0, 0.0);
+        let (mut is_before, mut is_behind) = (true, true);
+        for (corner, weight) in corners.into_iter().zip(weights) {
+            let (distance, distance_error) = self.distance(corner);
+            value += distance * weight;
+            // The first weight has the errors of both others.
+            error += distance.abs() * (2.0 * WEIGHT_ERROR) + distance_error * (1.0 + WEIGHT_ERROR);
+            is_before &= distance > distance_error + LEAST;
+            is_behind &= distance < -distance_error - LEAST;
+        }
+        match (is_before, is_behind) {
+            (true, _) => Some(1.0),
+            (_, true) => Some(-1.0),
+            _ => (value.abs() > error * 1.01 + LEAST).then_some(value.signum()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// Whole numbers, which single precision holds and whose determinants 128-bit integers hold.
+    fn whole(random: &mut Random, most: f64) -> [i128; 3] {
+        [(); 3].map(|()| (random.signed() * most).round() as i128)
+    }
+
+    fn point(of: [i128; 3]) -> Vec3 {
+        Vec3::from_array(of.map(|x| x as f32))
+    }
+
+    fn minus(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
+        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    }
+
+    fn determinant(a: [i128; 3], b: [i128; 3], c: [i128; 3]) -> i128 {
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+    }
+
+    /// Points in a plane but for roundings. With the bound at zero this fails.
+    #[test]
+    fn distances_are_within_their_bounds_of_those_in_integers() {
+        let mut random = Random(71);
+        let mut decided = 0;
+        for _ in 0..20_000 {
+            let most = f64::from(1 << 20);
+            let [a, b, c] = [(); 3].map(|()| whole(&mut random, most));
+            let (u, v) = (minus(b, a), minus(c, a));
+            let (s, t) = (random.signed(), random.signed());
+            let at = [0, 1, 2].map(|k| a[k] + (u[k] as f64 * s + v[k] as f64 * t) as i128);
+            let truth = determinant(minus(at, a), u, v);
+            let (value, error) = Plane::new([a, b, c].map(point)).distance(point(at));
+            let off = (value as i128 - truth).unsigned_abs();
+            assert!(off as f64 <= error + 0.5, "{a:?} {b:?} {c:?} {at:?}");
+            decided += u32::from(value.abs() > error);
+        }
+        assert!(decided > 19_000, "{decided}");
+    }
+
+    /// Directions that are parallel to a plane but for roundings. With either term of the bound at zero this fails.
+    #[test]
+    fn planes_turn_to_where_integers_say_that_rays_go() {
+        let mut random = Random(72);
+        let [mut turned, mut unsure] = [0; 2];
+        for round in 0..20_000 {
+            let most = f64::from(1 << 20);
+            let [a, b, c] = [(); 3].map(|()| whole(&mut random, most));
+            let (u, v) = (minus(b, a), minus(c, a));
+            let (s, t) = (random.signed(), random.signed());
+            let along = [0, 1, 2].map(|k| (u[k] as f64 * s + v[k] as f64 * t) as i128);
+            // Some are exactly parallel, and some are moved by as much as their error allows.
+            let [s, t] = [s, t].map(|s| (s * 1024.0) as i128);
+            let (along, off) = match round % 3 {
+                0 => (along, [0; 3]),
+                1 => ([0, 1, 2].map(|k| u[k] * s + v[k] * t), [0; 3]),
+                _ => (along, whole(&mut random, 9.0)),
+            };
+            let truth = determinant(along, u, v).signum();
+            let seen = [0, 1, 2].map(|k| (along[k] + off[k]) as f64);
+            let error = off.map(i128::abs).into_iter().max().unwrap_or(0);
+            let plane = Plane::new([a, b, c].map(point));
+            let normal = plane.normal;
+            match plane.turned_along(DVec3::from_array(seen), error as f64) {
+                Some(plane) if truth > 0 => assert_eq!(plane.normal, normal),
+                Some(plane) => {
+                    assert_eq!(plane.normal, -normal);
+                    assert!(truth < 0);
+                }
+                None => unsure += 1,
+            }
+            turned += 1;
+        }
+        assert!(
+            unsure > 100 && unsure < turned * 3 / 4,
+            "{unsure} of {turned}"
+        );
+    }
+
+    /// A hit on the line where two planes cross, with weights that are off by as much as they may be. With the error of
+    /// weights at zero this fails.
+    #[test]
+    fn sides_of_hits_next_to_where_planes_cross_are_not_sure() {
+        let plane = Plane::new([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let corners = [
+            Vec3::new(0.0, 0.0, -1.0),
+            Vec3::new(1.0, 0.0, 1.0),
+            Vec3::new(0.0, 1.0, 1.0),
+        ];
+        let at = |u: f64, v: f64| Nearest {
+            primitive: 0,
+            t: 1.0,
+            t_error: 0.0,
+            u,
+            v,
+        };
+        let off = 1.0 / f64::from(1 << 26);
+        for (u, v) in [(off, off), (-off, -off), (off, 0.0), (0.0, 0.0)] {
+            assert_eq!(plane.side_of(&at(0.25 + u, 0.25 + v), corners), None);
+        }
+        assert_eq!(plane.side_of(&at(0.26, 0.25), corners), Some(1.0));
+        assert_eq!(plane.side_of(&at(0.24, 0.25), corners), Some(-1.0));
+        // All corners lie on one side: no weight matters.
+        let above = corners.map(|corner| corner + Vec3::Z * 1.5);
+        assert_eq!(plane.side_of(&at(f64::NAN, 0.0), above), Some(1.0));
+        assert_eq!(
+            plane.side_of(&at(f64::NAN, 0.0), above.map(|c| -c)),
+            Some(-1.0)
+        );
+    }
+}

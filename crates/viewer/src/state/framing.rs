@@ -1,0 +1,169 @@
+//! What the picture follows from: its size, its camera, what is in view, and what its rays hit.
+
+use super::pick::Pick;
+use super::viewpoint::Viewpoint;
+use super::{REST_SAMPLES, Resolution, State};
+use raycast_core::camera::{Camera, ImagePlane, PlaneError, PlaneRequest, Projection};
+use raycast_core::glam::DVec3;
+use raycast_core::render::{Settings, View};
+use raycast_core::scene::{Bounds, Masks};
+use std::sync::Arc;
+
+impl State {
+    /// Columns and rows of the picture.
+    pub fn size(&self) -> (u32, u32) {
+        match self.resolution {
+            Resolution::Fixed(columns, rows) => (columns, rows),
+            Resolution::Window { density } => {
+                let side = |pixels: u32| {
+                    let side = (f64::from(pixels) * density).round();
+                    side.clamp(1.0, f64::from(self.side_limit)) as u32
+                };
+                (side(self.viewport.0), side(self.viewport.1))
+            }
+        }
+    }
+
+    /// The frame's height at the target, in scene units.
+    pub fn frame_height(&self) -> f64 {
+        self.viewpoint.frame_height()
+    }
+
+    /// Samples a pixel of a still or saved picture: as set, else [`REST_SAMPLES`] if each pixel of the window has one
+    /// ray and the preferences allow it.
+    pub fn rest_samples(&self) -> u32 {
+        let is_one_to_one = self.resolution == Resolution::Window { density: 1.0 };
+        match self.samples {
+            Some(samples) => samples,
+            None if self.preferences.refine && is_one_to_one => REST_SAMPLES,
+            None => 1,
+        }
+    }
+
+    /// The lattice of rays.
+    ///
+    /// # Errors
+    /// A size or a frame out of range.
+    pub fn plane(&self) -> Result<ImagePlane, PlaneError> {
+        PlaneRequest {
+            size: Some(self.size()),
+            step: None,
+            frame_height: Some(self.frame_height()),
+        }
+        .resolve(self.size(), self.frame_height())
+    }
+
+    /// The camera; `None` where the plane cannot be made.
+    pub fn camera(&self) -> Option<Camera> {
+        let plane = self.plane().ok()?;
+        let mut viewpoint = self.viewpoint;
+        if viewpoint.projection == Projection::Orthographic {
+            // Zooming narrows the frame; the plane that rays start from stays in front of the scene.
+            viewpoint.orbit.distance = viewpoint.orbit.distance.max(self.clear_distance());
+        }
+        let camera = Camera::new(viewpoint.placement(), viewpoint.projection, plane);
+        Some(match self.can_shift() {
+            true => camera.shifted(self.shift),
+            false => camera,
+        })
+    }
+
+    /// Whether the projection's frame can be shifted.
+    pub fn can_shift(&self) -> bool {
+        let projection = self.viewpoint.projection;
+        projection.panorama().is_none() || projection.lens().is_some()
+    }
+
+    /// The distance from the pivot at which an eye has everything in front of it.
+    fn clear_distance(&self) -> f64 {
+        let orbit = self.viewpoint.orbit;
+        let back = orbit.back();
+        self.bounds()
+            .corners()
+            .into_iter()
+            .map(|corner| (corner - orbit.pivot).dot(back))
+            .filter(|distance| distance.is_finite())
+            .fold(0.0, f64::max)
+            * 1.05
+    }
+
+    /// The box around the scene; a unit box about the origin while there is none.
+    pub fn bounds(&self) -> Bounds {
+        match &self.document {
+            Some(document) if !document.bounds.is_empty() => document.bounds,
+            _ => Bounds::around([DVec3::splat(-0.5), DVec3::splat(0.5)]),
+        }
+    }
+
+    /// The scene's size: the diagonal of its box, in scene units.
+    pub fn extent(&self) -> f64 {
+        let length = self.bounds().size().length();
+        if length.is_normal() { length } else { 1.0 }
+    }
+
+    /// The picture's width over its height.
+    pub fn aspect(&self) -> f64 {
+        let (columns, rows) = match self.resolution {
+            Resolution::Fixed(columns, rows) => (columns, rows),
+            Resolution::Window { .. } => self.viewport,
+        };
+        f64::from(columns.max(1)) / f64::from(rows.max(1))
+    }
+
+    /// The greatest coordinate along a direction of what is visible.
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        match &self.document {
+            Some(document) => document.accel.support(direction),
+            None => {
+                let corners = self.bounds().corners().into_iter();
+                corners.map(|corner| corner.dot(direction)).reduce(f64::max)
+            }
+        }
+    }
+
+    /// The viewpoint with this direction and lens that has everything visible in view.
+    pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
+        let center = self.bounds().center();
+        viewpoint.fitted(center, self.aspect(), |direction| self.support(direction))
+    }
+
+    /// Everything that decides a picture in motion; `None` while there is no scene.
+    pub fn view(&self) -> Option<View> {
+        let document = self.document.as_ref()?;
+        Some(View {
+            scene: Arc::clone(&document.built),
+            accel: Arc::clone(&document.accel),
+            camera: self.camera()?,
+            settings: Settings {
+                samples: self.samples.unwrap_or(1),
+                ..self.settings
+            },
+        })
+    }
+
+    /// The same for a still or saved picture.
+    pub fn view_at_rest(&self) -> Option<View> {
+        let mut view = self.view()?;
+        view.settings.samples = self.rest_samples();
+        Some(view)
+    }
+
+    /// The hit of the ray through (x, y) of the picture.
+    pub fn pick(&self, x: f64, y: f64) -> Option<Pick> {
+        let ray = self.camera()?.ray(x, y);
+        let document = self.document.as_ref()?;
+        let masks = Masks::of(&document.scene);
+        let kept = document.accel.clipped(&self.settings.clip);
+        let hit = (kept.masked(masks.as_ref())).cast(&ray, self.settings.cull)?;
+        Some(Pick {
+            hit,
+            point: ray.at(hit.t),
+        })
+    }
+
+    /// The number of columns and rows of tiles.
+    pub fn tile_counts(&self) -> (u32, u32) {
+        let (columns, rows) = self.size();
+        self.grid.counts(columns, rows)
+    }
+}
