@@ -74,11 +74,12 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 /// higher orders.
 pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 
-/// The least greatest magnitude of an edge function, compared with those of the triangle's others, at which the three
-/// share a scale. A triangle with a corner next to the eye is below it: in the scale of the opposite edge's function
-/// the other two are within [`LINEAR_ERROR`] of zero, and leave all rays undecided. With a greater limit more triangles
-/// are set up twice; with a lesser one up to that share of a triangle's rays, 48·2⁻²⁴ over the limit, is left undecided
-/// along an edge.
+/// The least ratio between the greatest magnitudes of two of a triangle's edge functions at which all three share a scale.
+///
+/// A triangle with a corner next to the eye is below it: in the scale of the opposite edge's function the other two are
+/// within [`LINEAR_ERROR`] of zero, and leave all rays undecided. At this limit an edge function leaves 48·2⁻²⁴ / 2⁻¹²,
+/// 1.2 % of its range, undecided. With a lesser limit that share grows; with a greater one more triangles are set up
+/// twice.
 const UNBALANCED: f64 = 1.0 / (1 << 12) as f64;
 
 /// Corner coordinates of eight triangles in structure-of-arrays order: x, y and z of the first corner, of the

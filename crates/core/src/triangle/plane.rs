@@ -21,9 +21,12 @@ use glam::{DVec3, Vec3};
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// Sums below this may have lost digits to underflow, and their signs prove nothing: they are of products of at most
-/// six coordinates, which may be off by 10⁻³²³ times the others. With a greater value planes of subnormal coordinates
-/// would decide less.
+/// Values below this may have lost digits to underflow, and their signs prove nothing.
+///
+/// Differences of single-precision coordinates are zero or at least 2⁻¹⁴⁹, so products of three of them do not underflow.
+/// A product with an eye or an edge function, which are doubles, may be off by 2⁻¹⁰⁷⁵ times its other factors: with
+/// coordinates up to 10¹⁸, by less than 10⁻²⁵⁰. A value above 10⁻¹³⁵ would leave planes undecided that are subnormal
+/// numbers apart.
 pub(crate) const LEAST: f64 = 1e-250;
 
 /// The error of a hit's weights: they are rounded well in single precision, within 2⁻²⁶

@@ -27,8 +27,9 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 /// nothing (visibility of the dahlia took 7 % longer); with more, layers are merged ray by ray for longer.
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
 
-/// The most changes of the stored triangle, ray by ray, up to which a cell's triangles are compared with another by
-/// their planes. With more changes comparing takes longer than merging.
+/// How often the stored triangle may change from ray to ray of a cell for its triangles to be compared with another by
+/// their planes. Cells of layers show a few triangles in long runs. With more changes comparing takes longer than merging
+/// the 8 rows; with fewer, cells where layers cross are merged ray by ray.
 const MOST_STORED: u32 = 16;
 
 /// Columns of a row of rays.
