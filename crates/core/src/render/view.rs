@@ -22,7 +22,8 @@ pub struct Settings {
     pub samples: u32,
     /// How samples are weighted by their offset from the pixel's centre.
     pub pixel_filter: PixelFilter,
-    /// Whether to keep depth, numbers, normals and texture coordinates beside the colours.
+    /// Whether to keep colours in linear light, depth, object and triangle numbers, normals and texture coordinates as
+    /// well as the 8-bit pixels.
     pub layers: bool,
 }
 
