@@ -106,7 +106,7 @@ impl View {
     }
 
     /// Casts every ray of the picture, a tile at a time, and discards the hits, for measuring: visibility alone, or
-    /// with t, u and v of every hit.
+    /// with t, u and v of every hit. Only the counts of the result are set; measure the time of the call.
     pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);

@@ -18,7 +18,7 @@ pub struct Settings {
     pub clip: ClippingPlanes,
     /// Exact or rounded casting.
     pub precision: Precision,
-    /// Rays a pixel, at least 1. The first goes through the pixel's centre.
+    /// Rays per pixel; zero counts as one. The first goes through the pixel's centre.
     pub samples: u32,
     /// How samples are weighted by their offset from the pixel's centre.
     pub pixel_filter: PixelFilter,
@@ -51,7 +51,7 @@ impl Cancel {
 pub struct View {
     /// The objects.
     pub scene: Arc<Scene>,
-    /// The tree over them: `Accel::build(&scene)`.
+    /// The tree over them: [`Accel::build`] or [`Accel::build_instances`] of this scene.
     pub accel: Arc<Accel>,
     /// The camera.
     pub camera: Camera,
