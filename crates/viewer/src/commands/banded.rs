@@ -66,7 +66,7 @@ impl<'a> Banded<'a> {
         let Self { bands, output, .. } = self;
         let head = bands.head();
         let (mut file, mut journal) = if self.resume {
-            let (file, journal) = output.resume(&self.key(), &head)?;
+            let (file, journal) = output.resume(self.key(), &head)?;
             (file, Some(journal))
         } else {
             let mut file = output.create()?;
@@ -105,13 +105,12 @@ impl<'a> Banded<'a> {
         Ok(Written { file, journal })
     }
 
-    /// The key of the journal. It includes the version, since another one may compress differently.
-    fn key(&self) -> String {
+    /// The key of the journal.
+    fn key(&self) -> Digest {
         let mut of = format!("{:?}\n", self.format).into_bytes();
         of.extend(self.recipe.to_string().bytes());
         of.extend(self.bands.head());
-        let version = env!("CARGO_PKG_VERSION");
-        format!("raycast {version} journal 1 of {}", Digest::of(&of))
+        Digest::of(&of)
     }
 }
 
