@@ -285,6 +285,48 @@ fn meshes_and_trees_beyond_memory_are_refused() {
     assert_eq!(names(folder.path()), ["large.stl", "rays"]);
 }
 
+/// From the least address space that the program starts in: every thread and every allocation may be refused.
+#[cfg(target_os = "linux")]
+#[test]
+fn little_address_space_is_one_line() {
+    let folder = folder();
+    let mesh = asset("cube.obj");
+    let picture = folder.path().join("a.png");
+    let limited = |kibibytes: u32, arguments: &[OsString]| {
+        let mut shell = Command::new("sh");
+        shell.arg("-c");
+        shell.arg(format!("ulimit -v {kibibytes}; exec \"$0\" \"$@\""));
+        shell.arg(binary::path()).args(arguments);
+        run(shell.stdin(Stdio::null()))
+    };
+    // Under less than it takes itself the system ends it before it begins. Arguments take some of it, too.
+    let starts = |&kibibytes: &u32| limited(kibibytes, &["--version".into()]).status == Some(0);
+    let least = (20_000..2_000_000).step_by(1000).find(starts);
+    let least = least.expect("it starts in two gigabytes") + 100;
+    let mut refused = 0;
+    for kibibytes in (least..least + 70_000).step_by(1000) {
+        for arguments in [
+            arguments!["info", &mesh],
+            arguments!["render", &mesh, "-o", &picture, "--size", "64x48"],
+            arguments!["stitch", &mesh, "-o", &picture],
+        ] {
+            let told = limited(kibibytes, &arguments);
+            let lines = told.errors.lines().count();
+            match told.status {
+                Some(0) => assert_eq!(lines, 0, "{kibibytes}: {told:?}"),
+                Some(1) => {
+                    assert_eq!(lines, 1, "{kibibytes}: {told:?}");
+                    refused += u32::from(told.errors.contains("(ulimit -v)"));
+                }
+                // Where not even some bytes are left, the standard library ends the process and says so.
+                None => {}
+                _ => panic!("{kibibytes}: {arguments:?}: {told:?}"),
+            }
+        }
+    }
+    assert!(refused > 20, "{refused}");
+}
+
 #[cfg(unix)]
 #[test]
 fn rays_are_read_from_no_device() {

@@ -164,10 +164,12 @@ fn what_a_killed_command_leaves_the_next_one_removes_and_nothing_else() {
     send(&killed.0, Signal::KILL);
     assert_eq!(killed.wait().signal(), Some(Signal::KILL.as_raw()));
     assert_eq!((parts(folder.path()), names(folder.path()).len()), (1, 1));
-    write(folder.path(), ".raycast-notes.part", "somebody's own");
+    for own in [".raycast-1-0.part", ".raycast-notes.part"] {
+        write(folder.path(), own, "somebody's own");
+    }
 
     let waiting = Waiting::start(&at("waiting"));
-    assert_eq!(parts(folder.path()), 2, "its own, and somebody's");
+    assert_eq!(parts(folder.path()), 3, "its own, and somebody's");
     let render = arguments![
         "render",
         asset("cube.obj"),
@@ -177,12 +179,49 @@ fn what_a_killed_command_leaves_the_next_one_removes_and_nothing_else() {
         "4x4"
     ];
     succeed(render);
-    assert_eq!(parts(folder.path()), 2, "what is held is not removed");
+    assert_eq!(parts(folder.path()), 3, "what is held is not removed");
     assert!(waiting.let_finish().success());
     assert_eq!(
         names(folder.path()),
-        [".raycast-notes.part", "a.png", "waiting"]
+        [
+            ".raycast-1-0.part",
+            ".raycast-notes.part",
+            "a.png",
+            "waiting"
+        ]
     );
+    assert_eq!(bytes(&at(".raycast-1-0.part")), b"somebody's own");
+}
+
+/// In a folder that anybody may write to; the superuser alone can be two users.
+#[test]
+fn what_a_killed_command_of_another_user_leaves_stays() {
+    use std::os::unix::fs::PermissionsExt;
+    use std::os::unix::process::CommandExt;
+    if !rustix::process::geteuid().is_root() {
+        println!("skipped: only the superuser can start programs as somebody else");
+        return;
+    }
+    let folder = folder();
+    let anybody = std::fs::Permissions::from_mode(0o777);
+    std::fs::set_permissions(folder.path(), anybody).expect("set");
+    let killed = Waiting::start(&folder.path().join("killed"));
+    send(&killed.0, Signal::KILL);
+    killed.wait();
+    let left = folder.path().join(&names(folder.path())[0]);
+    let mode = std::fs::Permissions::from_mode(0o666);
+    std::fs::set_permissions(&left, mode).expect("set");
+    let picture = folder.path().join("a.png");
+    let render = arguments!["render", asset("cube.obj"), "-o", &picture, "--size", "4x4"];
+    let mut other = command(&render);
+    let Ok(status) = other.uid(12_345).gid(12_345).status() else {
+        println!("skipped: others may not start the program here");
+        return;
+    };
+    assert!(status.success() && picture.exists());
+    assert!(left.exists(), "another user removed it");
+    succeed(&render);
+    assert!(!left.exists());
 }
 
 #[test]

@@ -96,6 +96,11 @@ pub(crate) struct Runs<'a> {
 /// The runs of eight rays' primitives.
 #[inline(always)]
 pub(crate) fn runs(primitives: &[u32; LANES]) -> Runs<'_> {
+    // Most often there is one.
+    if *primitives == [primitives[0]; LANES] {
+        let starts = u32::from(primitives[0] != MISS);
+        return Runs { primitives, starts };
+    }
     let mut starts = 0;
     let mut last = MISS;
     for (lane, &primitive) in primitives.iter().enumerate() {

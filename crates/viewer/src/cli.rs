@@ -1,4 +1,4 @@
-//! What a command line may hold.
+//! The command line's options, as clap declares them.
 
 mod bench;
 mod camera;
@@ -59,7 +59,7 @@ Examples:
   raycast prepare bunny.obj -o bunny.raycast   the same mesh, read at once from then on
   raycast info bunny.obj";
 
-/// Look at meshes through exact rays, in a window or without one.
+/// View and render triangle meshes by exact ray casting, in a window or without one.
 #[derive(Debug, Parser)]
 #[command(
     name = "raycast",
@@ -68,7 +68,7 @@ Examples:
     after_help = EXAMPLES
 )]
 pub struct Cli {
-    /// What to do without a window.
+    /// The command; without one, the window opens.
     #[command(subcommand)]
     pub command: Option<Subcommand>,
     /// Meshes or scene files to open in the window [default: the demo scene]
@@ -81,11 +81,11 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, clap::Subcommand)]
 pub enum Subcommand {
-    /// Open files in the window, whatever they are called
+    /// Open files in the window, even if they are named like a command
     View {
         /// Meshes or scene files [default: the demo scene]
         files: Vec<PathBuf>,
-        /// Write a line of JSON a frame, for measuring; such a window remembers nothing
+        /// Write a line of JSON for each frame, for measuring; this window neither loads nor saves settings
         #[arg(long, value_name = "FILE")]
         log: Option<PathBuf>,
         /// How files are read.
@@ -94,38 +94,38 @@ pub enum Subcommand {
     },
     /// Render a picture, or one fragment of it, to an image file
     Render(Box<RenderArgs>),
-    /// Answer a file of rays with a file of hits
+    /// Cast the rays of a file and write a file of their hits
     Cast(CastArgs),
-    /// Put fragments together into the picture that the full camera would have made
+    /// Assemble fragments into the picture that the full camera would have made
     Stitch(StitchArgs),
-    /// Write pictures and fragments as command lines, for an engine that runs many jobs
+    /// Split pictures and animations into many jobs: write a command line for each
     Plan(PlanArgs),
-    /// Write the meshes of files in another format
+    /// Convert meshes to another format
     Convert(ConvertArgs),
-    /// Store meshes with their tree, so that jobs cast rays at once
+    /// Store meshes with their tree, so that later commands start at once
     Prepare(PrepareArgs),
     /// Draw a mesh's triangles into its texture
     TextureMap(Box<TextureMapArgs>),
-    /// Draw the outline of a section as SVG or DXF
+    /// Write the outline of a section as SVG or DXF
     Section(SectionArgs),
-    /// Tell what files hold
+    /// Describe files: triangles, bounds, materials, faults
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
     Bench(BenchArgs),
-    /// Measure speed against error, beside other ways of casting rays, and write a report
+    /// Measure speed and errors beside other ray casters, and write a report
     Report(ReportArgs),
-    /// Prove a picture: hold its pixels against exact rational arithmetic
+    /// Check a picture's pixels against exact rational arithmetic
     Verify(Box<VerifyArgs>),
 }
 
 /// `raycast render`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Size, step and field of view are bound by `rows x step = 2 x distance x tan(fov / 2)`: give two of
-the three at most. The eye, by default, is where the whole scene is in view.
+Size, step and field of view are bound by `rows x step = 2 x distance x tan(fov / 2)`: give at
+most two of the three. By default the eye is where the whole scene is in view.
 
-In --stats, cast_ms and shade_ms are the render's wall-clock time, shared out as the tiles' own
-times for visibility and for everything else are.
+In --stats, cast_ms and shade_ms are the render's wall-clock time, divided in proportion to the
+tiles' times for visibility and for everything else.
 
 Examples:
   raycast render bunny.obj -o bunny.png
@@ -136,27 +136,27 @@ Examples:
   raycast render bunny.obj -o turn-%05d.png --turntable 100
   raycast render a.obj b.obj -o both.png --eye -1,2,5 --target 0,0.5,0")]
 pub struct RenderArgs {
-    /// Meshes, or a scene file whose camera, image and shading are then the defaults
+    /// Meshes or scene files; the first scene file's camera, image and shading are the defaults
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The image to write: .png, .ppm, .jpg, .tif or .exr (a fragment: .png or .exr); or a .dzi, a pyramid of
     /// tiles with a page for a browser
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Go on where an earlier render of the same picture was ended, and leave what is done if this one is: a
-    /// part file and its journal beside the image. For large pictures, but .jpg
+    /// Continue an interrupted render of the same picture, and if this one is interrupted keep what is done: a part
+    /// file and its journal beside the image. For large pictures, in any format but .jpg
     #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
     pub resume: bool,
-    /// Where from.
+    /// The camera.
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// In which colours.
+    /// The shading.
     #[command(flatten)]
     pub shading: ShadingArgs,
-    /// In which parts.
+    /// The split.
     #[command(flatten)]
     pub tiles: TileArgs,
-    /// Rays a pixel, 1 to 4096; the first goes through its centre [default: 1]
+    /// Rays per pixel, 1 to 4096; the first goes through its centre [default: 1]
     #[arg(
         long,
         value_name = "N",
@@ -164,7 +164,7 @@ pub struct RenderArgs {
         value_parser = values::samples
     )]
     pub samples: Option<u32>,
-    /// How samples are weighed by their place; wider than a pixel but for a box [default: box]
+    /// The pixel's reconstruction filter; all but box are wider than a pixel [default: box]
     #[arg(
         long,
         value_name = "KIND",
@@ -172,16 +172,16 @@ pub struct RenderArgs {
         value_parser = values::named(values::PIXEL_FILTERS)
     )]
     pub pixel_filter: Option<PixelFilter>,
-    /// How rays meet triangles.
+    /// How rays are cast.
     #[command(flatten)]
     pub casting: CastingArgs,
-    /// Which frames.
+    /// The frames of an animation.
     #[command(flatten)]
     pub animation: FrameArgs,
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,
-    /// Write a scene file that holds all that decides the picture: rendered alone it gives the same bytes
+    /// Also write a scene file with everything that decides the picture: rendering it gives the same bytes
     #[arg(
         long,
         value_name = "FILE",
@@ -189,7 +189,7 @@ pub struct RenderArgs {
         conflicts_with_all = ["frames", "turntable", "sub_camera", "unfinished", "show_sub_cameras"]
     )]
     pub save_scene: Option<PathBuf>,
-    /// Write what it took to this file as JSON; `-` is standard output
+    /// Write times and counts to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE", help_heading = None)]
     pub stats: Option<PathBuf>,
 }
@@ -198,10 +198,10 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Both files are little-endian. A ray is eight 32-bit floats: origin x y z, t_min, direction x y z,
-t_max. A hit is 20 bytes: t (float, infinity at a miss), object, triangle (unsigned, 4294967295 at a
-miss), u, v (float), with the point at (1-u-v) a + u b + v c. A hit has t_min < t <= t_max, and a t_max
-of +infinity is no limit; a ray with any other number that is not finite, or a direction of zero, is a
-miss, and counted on standard error.
+t_max. A hit is 20 bytes: t (float, infinity at a miss), object, triangle (unsigned, 4294967295 at
+a miss), u, v (float); the point is (1-u-v) a + u b + v c. A hit has t_min < t <= t_max; a t_max
+of +infinity is no limit. A ray with any other number that is not finite, or with a direction of
+zero, is a miss, and such rays are counted on standard error.
 
 Example:
   raycast cast bunny.obj --rays rays.bin --hits hits.bin --stats -")]
@@ -215,16 +215,16 @@ pub struct CastArgs {
     /// The hits to write, 20 bytes each, in the rays' order
     #[arg(long, value_name = "FILE")]
     pub hits: PathBuf,
-    /// Which faces rays pass through: none, or those seen from the back
+    /// The faces that rays pass through: none, or back faces
     #[arg(long, value_name = "FACES", default_value = "none", value_parser = values::named(values::CULLS))]
     pub cull: Cull,
-    /// What is cut away.
+    /// The clipping planes.
     #[command(flatten)]
     pub clip: ClipArgs,
-    /// Workers, 0 to 256; 0 is one for each of the machine's
+    /// Worker threads, 0 to 256; 0 is one for each hardware thread
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads())]
     pub threads: u16,
-    /// Write what it took to this file as JSON; `-` is standard output
+    /// Write times and counts to this file as JSON; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
     /// How files are read.
@@ -240,7 +240,7 @@ Example:
   raycast render bunny.obj --tiles 2x1 --sub-camera 1,0 -o right.png
   raycast stitch left.png right.png -o bunny.png")]
 pub struct StitchArgs {
-    /// What `raycast render --sub-camera` wrote
+    /// Fragments, as `raycast render --sub-camera` writes them
     #[arg(required = true)]
     pub fragments: Vec<PathBuf>,
     /// The image to write: .png, .ppm, .jpg, .tif or .exr
@@ -251,13 +251,13 @@ pub struct StitchArgs {
 /// `raycast convert`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The scene's meshes are written each in its place: transforms are applied. Triangles keep their order and
-their numbers; those that no ray can meet are written too, and counted. Coordinates are what they were,
-bit for bit, where the format's numbers hold them; else it is told how many vertices are moved, and how
-far. A .ply has double precision where single does not do; a .glb, single precision about its nodes; an
-.stl, single precision alone. Kept are normals, texture coordinates, colours of vertices and of
-materials where the format has them (an .obj has its materials in an .mtl beside it); what is not kept
-is told.
+Meshes are written with their transforms applied. Triangles keep their order and numbers; those
+that no ray can hit are written too, and counted. Coordinates keep their bits where the format can
+represent them; otherwise the number of moved vertices and the largest move are reported. A .ply
+has double precision where single is not enough, a .glb single precision relative to its nodes, an
+.stl single precision. Normals, texture coordinates, and colours of vertices and materials are
+kept where the format has them (an .obj has its materials in an .mtl beside it); what is lost is
+reported.
 
 Examples:
   raycast convert bunny.obj -o bunny.glb
@@ -284,13 +284,13 @@ pub struct InfoArgs {
     /// Meshes or scene files
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Print a JSON array, an element a file
+    /// Print a JSON array with an element for each file
     #[arg(long)]
     pub json: bool,
-    /// Look for holes, flipped triangles and other faults in each mesh, and tell its area and volume
+    /// Look for holes, flipped triangles and other faults in each mesh, and print its area and volume
     #[arg(long)]
     pub health: bool,
-    /// Also look for triangles of a mesh that pass through one another, lie on one another or touch
+    /// Also look for triangles of a mesh that intersect, overlap or touch elsewhere than at common edges and corners
     #[arg(long, requires = "health")]
     pub self_intersections: bool,
     /// How files are read.

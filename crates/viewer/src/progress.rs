@@ -17,12 +17,16 @@ pub struct TerminalProgress {
 impl TerminalProgress {
     /// A bar on standard error, or a hidden one if that is no terminal.
     pub fn new() -> Self {
-        let bar = if std::io::stderr().is_terminal() {
-            ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
-        } else {
-            ProgressBar::hidden()
-        };
-        bar.enable_steady_tick(Duration::from_millis(100));
+        if !std::io::stderr().is_terminal() {
+            return Self::hidden();
+        }
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        // The bar panics where it gets no thread of its own, as under a limit of address space: it is then drawn
+        // whenever it changes.
+        let probe = std::thread::Builder::new().spawn(|| ());
+        if probe.is_ok_and(|probe| probe.join().is_ok()) {
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
         Self { bar }
     }
 

@@ -199,6 +199,55 @@ fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {
     assert!(tally.hits > 1000, "{tally:?}");
 }
 
+/// Rays beside their places by as much as they may be. With their error at zero in the bounds' margin this fails.
+#[test]
+fn rays_beside_their_places_are_within_the_bounds() {
+    let mut random = Random(60);
+    let mut hits = 0;
+    for _ in 0..2000 {
+        let plane = ImagePlane::new(32, 32, 1e-3).expect("a good plane");
+        let placement = Placement::towards(random.point().normalize() * 5.0, DVec3::ZERO);
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let mut space = space(&camera, DVec3::ZERO, Cull::None);
+        space.ray_error = 0.05;
+        let mut aimed = || {
+            let [x, y] = [(); 2].map(|()| (random.unit() * 32.0).floor());
+            let [i, j] = [(); 2].map(|()| space.ray_error * random.signed());
+            let ray = camera.ray(x + 0.5 + i, y + 0.5 + j);
+            let hit = ray.at(5.0);
+            let corners = [(); 3].map(|()| (hit + random.point() * 1e-4).as_vec3());
+            (corners, ray, [x as i32, y as i32])
+        };
+        let triangles: [_; LANES] = std::array::from_fn(|_| aimed());
+        let corners = lanes_of(triangles.map(|(corners, ..)| corners));
+        let mut projected = ProjectedTriangles::NONE;
+        Projector::new(&space, 5.0).project(Plain, &corners, LANES, &mut projected);
+        for (l, (corners, ray, [x, y])) in triangles.into_iter().enumerate() {
+            let placed = Placed {
+                corners,
+                origin: DVec3::ZERO,
+            };
+            if exact::hit(&ray, &placed, Cull::None, 0).is_none() {
+                continue;
+            }
+            let rays = projected.rays(l);
+            let (i, j) = (x - rays.left, y - rays.top);
+            assert!(projected.seen >> l & 1 != 0, "{corners:?} {ray:?}");
+            assert!((rays.left..=rays.right).contains(&x), "{corners:?} {ray:?}");
+            assert!((rays.top..=rays.bottom).contains(&y), "{corners:?} {ray:?}");
+            if projected.small >> l & 1 != 0 {
+                let coverage = &projected.coverage;
+                let is_it = |at: &u32| coverage.ray(l, *at).0 == [i as usize, j as usize];
+                let at = (0..25).find(is_it).expect("small bounds hold 25 rays");
+                let perhaps = coverage.perhaps(l) >> at & 1 != 0;
+                assert!(perhaps, "outside and hit: {corners:?} {ray:?}");
+            }
+            hits += 1;
+        }
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
 #[test]
 fn projected_triangles_keep_the_rays_that_hit_them() {
     let far = DVec3::new(148_376.0, 1234.5, -223_423.25);

@@ -238,15 +238,25 @@ pub(super) mod tests {
         }
     }
 
-    /// A PNG with one byte of its image changed, and PNG's own checksums corrected.
-    fn repainted(bytes: &[u8]) -> Vec<u8> {
+    fn reader(bytes: &[u8]) -> ::png::Reader<std::io::Cursor<&[u8]>> {
         let mut decoder = ::png::Decoder::new(std::io::Cursor::new(bytes));
         decoder.set_transformations(::png::Transformations::IDENTITY);
-        let mut reader = decoder.read_info().expect("a PNG");
+        decoder.read_info().expect("a PNG")
+    }
+
+    /// The samples of a PNG.
+    fn samples(bytes: &[u8]) -> Vec<u8> {
+        let mut reader = reader(bytes);
         let mut samples = vec![0; reader.output_buffer_size().expect("a size")];
         reader.next_frame(&mut samples).expect("a PNG");
-        let info = reader.info().clone();
-        samples[5] ^= 1;
+        samples
+    }
+
+    /// A PNG whose samples were changed, and PNG's own checksums corrected.
+    fn repainted(bytes: &[u8], change: impl Fn(&mut [u8])) -> Vec<u8> {
+        let mut samples = samples(bytes);
+        change(&mut samples);
+        let info = reader(bytes).info().clone();
         let mut changed = Vec::new();
         let mut encoder = ::png::Encoder::new(&mut changed, info.width, info.height);
         encoder.set_color(info.color_type);
@@ -269,7 +279,8 @@ pub(super) mod tests {
         // As a PNG, with valid PNG checksums.
         let png = parts[1].1.encode(Format::Png).expect("encodes");
         assert!(Fragment::decode("part", &png).is_ok());
-        let error = Fragment::decode("part", &repainted(&png)).expect_err("it was repainted");
+        let damaged = repainted(&png, |samples| samples[5] ^= 1);
+        let error = Fragment::decode("part", &damaged).expect_err("it was repainted");
         assert!(error.to_string().contains(expected), "{error}");
         // As an EXR: each channel counts.
         let changes: [fn(&mut Layers); 7] = [
@@ -298,6 +309,89 @@ pub(super) mod tests {
             let bytes = bands::encode(&picture, Format::Exr, tags).expect("encodes");
             let error = Fragment::decode("part", &bytes).expect_err("it was repainted");
             assert!(error.to_string().contains(expected), "{error}");
+        }
+    }
+
+    /// PNG's checksum of a chunk's name and data (PNG specification, annex D).
+    fn crc(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |mut crc, &byte| {
+            crc ^= u32::from(byte);
+            for _ in 0..8 {
+                crc = if crc & 1 == 1 {
+                    0xedb8_8320 ^ (crc >> 1)
+                } else {
+                    crc >> 1
+                };
+            }
+            crc
+        })
+    }
+
+    /// A PNG whose chunks all have the checksums of what they hold; `None` where a length leads beyond the end.
+    pub(in crate::picture) fn with_checksums(mut bytes: Vec<u8>) -> Option<Vec<u8>> {
+        let mut at = 8;
+        while at < bytes.len() {
+            let length = u32::from_be_bytes(*bytes.get(at..)?.first_chunk()?) as usize;
+            let end = at + 8 + length;
+            let sum = crc(bytes.get(at + 4..end)?);
+            bytes
+                .get_mut(end..end + 4)?
+                .copy_from_slice(&sum.to_be_bytes());
+            at = end + 4;
+        }
+        Some(bytes)
+    }
+
+    /// Every bit of a file, also where the format's own checksums are corrected afterwards: a fragment with one bit
+    /// flipped is refused, or has the same pixels at the same place of the same picture.
+    #[test]
+    fn every_flipped_bit_of_a_fragment_is_refused_or_harmless() {
+        let whole = sample_picture(11, 40, true);
+        let grid = Grid::Count {
+            columns: 2,
+            rows: 2,
+        };
+        let (_, mut part) = fragments(&whole, grid, Format::Exr).remove(3);
+        let exr = part.encode(Format::Exr).expect("encodes");
+        let with_layers = part.clone();
+        part.picture.layers = None;
+        let png = part.encode(Format::Png).expect("encodes");
+        assert_eq!(with_checksums(png.clone()), Some(png.clone()));
+        for (bytes, whole) in [(&png, &part), (&exr, &with_layers)] {
+            let (mut refused, mut harmless) = (0, 0);
+            for bit in 0..8 * bytes.len() {
+                let mut damaged = bytes.clone();
+                damaged[bit / 8] ^= 1 << (bit % 8);
+                let corrected = with_checksums(damaged.clone()).filter(|_| bytes == &png);
+                for damaged in [Some(damaged), corrected].into_iter().flatten() {
+                    match Fragment::decode("part", &damaged) {
+                        Err(_) => refused += 1,
+                        Ok(read) => {
+                            assert!(read == *whole, "bit {bit} of {}", bytes.len());
+                            harmless += 1;
+                        }
+                    }
+                }
+            }
+            assert!(
+                refused > 4 * bytes.len(),
+                "{refused} refused, {harmless} harmless"
+            );
+        }
+    }
+
+    /// Every bit of the samples that are compressed in a PNG, under checksums that agree with them: zlib's own and
+    /// the chunk's.
+    #[test]
+    fn every_flipped_bit_of_the_samples_is_refused() {
+        let whole = sample_picture(11, 7, false);
+        let (_, part) = fragments(&whole, Grid::Size(6), Format::Png).remove(0);
+        let png = part.encode(Format::Png).expect("encodes");
+        for bit in 0..8 * samples(&png).len() {
+            let damaged = repainted(&png, |samples| samples[bit / 8] ^= 1 << (bit % 8));
+            let error = Fragment::decode("part", &damaged).expect_err("it was repainted");
+            let expected = "its pixels are not those that were written";
+            assert!(error.to_string().contains(expected), "bit {bit}: {error}");
         }
     }
 
@@ -373,6 +467,8 @@ pub(super) mod tests {
             "full 1 2 rect 0 0 1 1 recipe 0 pixels 0",
             &place.to_string().replace("full ", "full -"),
             &format!("{place} "),
+            &format!("{} check {}", place.words(), Digest::of(b"")),
+            &place.words(),
             // The text that was written before fragments had recipes.
             "full 1 2 rect 0 0 1 1 view 0123456789abcdef",
         ] {

@@ -11,7 +11,9 @@ pub(super) const DECODED_LIMIT: u64 = 1 << 30;
 /// Colours are averaged over a pixel's samples; everything else belongs to the first sample, at the pixel's centre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
-    /// Linear light with premultiplied alpha: the mean of the samples, unclamped, as EXR stores it.
+    /// Linear light with premultiplied alpha, as EXR stores it: the weighted mean of the samples. It is unclamped,
+    /// except with a pixel filter that has negative weights: then alpha is clamped to 0 to 1, and colours to 0 to
+    /// alpha.
     pub color: Vec<[f32; 4]>,
     /// Distance from the eye (orthographic: from the image plane); infinity at a miss.
     pub depth: Vec<f32>,

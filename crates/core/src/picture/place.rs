@@ -50,9 +50,9 @@ pub(super) fn check_place(
     Ok(())
 }
 
-impl fmt::Display for Place {
+impl Place {
     /// `full 1280 720 rect 64 0 64 64 recipe DIGEST pixels DIGEST`.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    pub(super) fn words(&self) -> String {
         let (columns, rows) = self.full_size;
         let Rect {
             x,
@@ -60,11 +60,18 @@ impl fmt::Display for Place {
             width,
             height,
         } = self.rect;
-        write!(
-            f,
+        format!(
             "full {columns} {rows} rect {x} {y} {width} {height} recipe {} pixels {}",
             self.recipe, self.pixels
         )
+    }
+}
+
+impl fmt::Display for Place {
+    /// [`Place::words`] and a checksum of them, as of all else in the file: `… check DIGEST`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = self.words();
+        write!(f, "{words} check {}", Digest::of(words.as_bytes()))
     }
 }
 
@@ -87,12 +94,14 @@ impl FromStr for Place {
             recipe,
             "pixels",
             pixels,
+            "check",
+            _,
         ] = words[..]
         else {
             return Err(expected());
         };
         let number = |word: &str| word.parse::<u32>().map_err(|_| expected());
-        Ok(Self {
+        let place = Self {
             full_size: (number(columns)?, number(rows)?),
             rect: Rect {
                 x: number(x)?,
@@ -102,6 +111,13 @@ impl FromStr for Place {
             },
             recipe: recipe.parse().map_err(|_| expected())?,
             pixels: pixels.parse().map_err(|_| expected())?,
-        })
+        };
+        // The only text of a place: another is damaged.
+        if place.to_string() != text {
+            return Err(ImageError::Decode(
+                "its place is not the one that was written: its checksum is another".to_owned(),
+            ));
+        }
+        Ok(place)
     }
 }

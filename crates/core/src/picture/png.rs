@@ -5,7 +5,9 @@ use super::file::Tags;
 use super::image::DECODED_LIMIT;
 use super::place::Place;
 use super::{ImageError, ImageFile, Picture, Recipe, xmp};
-use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent};
+use ::png::{
+    BitDepth, ColorType, Compression, DecodeOptions, Decoder, Encoder, Limits, SrgbRenderingIntent,
+};
 use std::io::{BufRead, Cursor, Seek};
 
 /// The keyword of the text chunk with a fragment's position.
@@ -92,7 +94,12 @@ impl<R: BufRead + Seek> Reader<R> {
                 .unwrap_or(usize::MAX)
                 .saturating_add(1 << 20),
         };
-        let mut decoder = Decoder::new_with_limits(read, limits);
+        // By default the decoder verifies neither the pixels' checksum nor those of text, and skips damaged text.
+        let mut options = DecodeOptions::default();
+        options.set_ignore_adler32(false);
+        options.set_skip_ancillary_crc_failures(false);
+        let mut decoder = Decoder::new_with_options(read, options);
+        decoder.set_limits(limits);
         let info = decoder.read_header_info().map_err(damaged)?;
         let pixels = u64::from(info.width) * u64::from(info.height);
         // Checked before memory is allocated for them.
@@ -186,6 +193,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
 #[cfg(test)]
 mod tests {
     use super::super::Format;
+    use super::super::fragment::tests::with_checksums;
+    use super::super::recipe::tests::sample_recipe;
     use super::*;
 
     fn noise(width: u32, height: u32, alpha: bool) -> Picture {
@@ -220,7 +229,28 @@ mod tests {
         for at in 0..bytes.len() {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0xff;
-            let _ = decode(&damaged);
+            assert!(decode(&damaged).is_err(), "{at}");
+        }
+        // Also where a recipe, or another text, is damaged: the picture must not lose it in silence.
+        let picture = noise(9, 5, true);
+        let recipe = sample_recipe(9, 5);
+        let told = picture
+            .encode_with(Format::Png, Some(&recipe))
+            .expect("encodes");
+        for bit in 0..8 * told.len() {
+            let mut damaged = told.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(decode(&damaged).is_err(), "bit {bit}");
+        }
+        // The compressed pixels have a checksum of their own, whatever that of their chunk says.
+        let begin = bytes.windows(4).position(|name| name == b"IDAT");
+        let begin = begin.expect("pixels") + 4;
+        for bit in 8 * begin..8 * (bytes.len() - 16) {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            let damaged = with_checksums(damaged).expect("no length was changed");
+            let is_same = |file: ImageFile| file.picture == picture;
+            assert!(decode(&damaged).map_or(true, is_same), "bit {bit}");
         }
         // A header that claims 2^30 pixels is refused before they are allocated.
         let mut huge = bytes;

@@ -29,8 +29,8 @@ impl<'s> Compositor<'s> {
         }
     }
 
-    /// The colour of the sample at (x, y) of the picture, whose ray hits `primitive` first: linear light, straight
-    /// alpha. `None` where no other hit shows.
+    /// The colour of the sample at (x, y) of the picture, whose ray hits `primitive` first: its layers from front to
+    /// back, in linear light with straight alpha. `None` if the first hit is opaque, or the ray hits nothing.
     pub(super) fn color(
         &mut self,
         shader: &mut TileShader<'_>,

@@ -1,4 +1,4 @@
-//! Pictures for two eyes: each half is a picture of its own, and tiles across the border are split there.
+//! Pictures for two eyes: each half is a view of its own, and tiles across the border between them are split there.
 
 use super::job::{Buffers, Job};
 use super::view::{Cancel, Clock, View};
@@ -48,7 +48,7 @@ impl Eyes {
         ]
     }
 
-    /// The parts of a rectangle in either half.
+    /// The non-empty parts of a rectangle in the two halves.
     fn cut(&self, rect: Rect) -> impl Iterator<Item = Part> + '_ {
         let parts = self.0.iter().enumerate().map(move |(eye, (_, half))| {
             let (x, y) = (rect.x.max(half.x), rect.y.max(half.y));

@@ -1,4 +1,4 @@
-//! One tile's way through the passes.
+//! A tile, which the passes of progressive rendering refine.
 
 use super::compositor::Compositor;
 use super::photographs::Photographs;
@@ -11,16 +11,16 @@ use crate::picture::{Layers, Strip};
 use crate::shade::{self, Channels, Cut, Section, Shader, Shown, TileShader};
 use std::time::Duration;
 
-/// A tile as far as it has come.
+/// A tile in its present state.
 #[derive(Debug)]
 pub(super) struct Job {
     sub_camera: SubCamera,
     pixels: Vec<[u8; 4]>,
-    /// Sums of the samples so far, alpha multiplied in; empty until there is a second one, or
-    /// layers are asked for.
+    /// Weighted sums of the samples so far, in linear light with premultiplied alpha. Empty while pixels have one
+    /// sample and no layers.
     sums: Vec<[f32; 4]>,
     layers: Option<Layers>,
-    /// Samples a pixel that have been cast.
+    /// Samples a pixel cast so far.
     samples: usize,
 }
 
@@ -35,7 +35,7 @@ impl Job {
         }
     }
 
-    /// Casts a sub-camera's rays, as far as `detail` asks for, and forgets what they hit.
+    /// Casts a sub-camera's rays, evaluates hits as `detail` says, and discards them.
     pub(super) fn cast(
         view: &View,
         sub_camera: SubCamera,
@@ -55,10 +55,11 @@ impl Job {
         work.stats
     }
 
-    /// One sample a pixel of neighbouring tiles, into their picture; `sink` gets each tile's statistics.
+    /// Renders a strip of neighbouring tiles into the picture, with one sample a pixel; `sink` receives each tile's
+    /// statistics.
     ///
-    /// Adjacent tiles without hits are filled as one, on the account of the last of them: a
-    /// picture lies in memory far from the cores, and long rows get there twice as fast as short ones.
+    /// Adjacent tiles without hits are filled together: a picture exceeds the caches, and long rows are written to
+    /// memory twice as fast as short ones. The time is added to the last of these tiles.
     pub(super) fn paint(
         view: &View,
         strip: &mut Strip<'_>,
@@ -103,7 +104,8 @@ impl Job {
         }
     }
 
-    /// Brings the tile to where `pass` has it: casts what is not yet cast. The pattern is the last pass's.
+    /// Renders a pass: casts the samples that earlier passes have not cast. `pattern` is that of the last pass; all
+    /// passes take its samples in order.
     pub(super) fn advance(
         &mut self,
         view: &View,
@@ -123,10 +125,10 @@ impl Job {
         work.stats
     }
 
-    /// One sample a pixel, every `stride`-th pixel.
+    /// Casts one sample of every `stride`-th pixel in both directions.
     ///
-    /// Rays of a coarser lattice are cast again: leaving them out would spare a quarter of the rays,
-    /// and cost more than all of them, since a kernel for blocks is at its best with neighbours.
+    /// A quarter of these rays were cast in the coarser pass before, and are cast again: without them the lattice would
+    /// have gaps, and packets with gaps take longer than whole ones.
     fn refine(&mut self, work: &mut Work<'_, '_>, stride: u32) {
         if stride == 1 {
             let columns = self.sub_camera.rect.width.max(1) as usize;
@@ -177,10 +179,10 @@ impl Job {
         });
     }
 
-    /// Every pixel, with samples beyond the first, or with layers.
+    /// Casts samples until every pixel has `count` of them; with the first, layers if the settings ask for them.
     fn accumulate(&mut self, work: &mut Work<'_, '_>, pattern: &SamplePattern, count: usize) {
-        // A first sample that was only shown in 8 bits is cast again: cheaper than keeping the sums
-        // of every picture that never gets a second one.
+        // Passes of one sample keep 8-bit pixels alone, so the first sample is cast again. Keeping its sums as well
+        // would cost every picture that never gets a second sample.
         if self.sums.is_empty() {
             self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
             self.samples = 0;
@@ -225,7 +227,7 @@ impl Job {
             if !pattern.has_negative() {
                 return [r, g, b, a];
             }
-            // Negative weights overshoot at edges: no pixel is more than opaque, or sends more light than white does.
+            // Negative weights overshoot at edges. No pixel may be more than opaque, or brighter than white.
             let alpha = a.clamp(0.0, 1.0);
             let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, alpha));
             [r, g, b, alpha]
@@ -240,7 +242,7 @@ impl Job {
         shade::encode_all_premultiplied(simd, means, &mut self.pixels);
     }
 
-    /// The tile as it stands.
+    /// A copy of the tile in its present state.
     pub(super) fn tile(&self, stats: TileStats) -> Tile {
         Tile {
             rect: self.sub_camera.rect,
@@ -250,7 +252,7 @@ impl Job {
         }
     }
 
-    /// The tile at its end; nothing of it stays.
+    /// The finished tile, without a copy; the job is reset.
     pub(super) fn take_tile(&mut self, stats: TileStats) -> Tile {
         let Self {
             sub_camera,
@@ -267,16 +269,16 @@ impl Job {
     }
 }
 
-/// What a worker keeps from tile to tile.
+/// A worker's buffers, reused from tile to tile.
 #[derive(Debug)]
 pub(super) struct Buffers<'s> {
     hits: Hits,
-    /// Colours of one sample a pixel.
+    /// The colours of one sample a pixel: linear light, straight alpha.
     light: Vec<[f32; 4]>,
     shader: TileShader<'s>,
-    /// Where surfaces let through what lies behind them.
+    /// `None` where no surface is translucent.
     compositor: Option<Compositor<'s>>,
-    /// Where textures are photographs.
+    /// `None` where no texture is a photograph.
     photographs: Option<Photographs<'s>>,
 }
 
@@ -292,12 +294,13 @@ impl<'s> Buffers<'s> {
         }
     }
 
-    /// Whether samples may take other rays than the one that hits the nearest triangle.
+    /// Whether colours may need rays besides the one to the closest hit: for further layers, or for visibility from a
+    /// photograph's camera.
     fn takes_other_rays(&self) -> bool {
         self.compositor.is_some() || self.photographs.is_some()
     }
 
-    /// [`TileShader::light`] where samples may take other rays.
+    /// [`TileShader::light`] with these additional rays.
     fn light_of_other_rays(&mut self, lattice: &Lattice, light: &mut Vec<[f32; 4]>) {
         light.clear();
         for at in 0..lattice.len() {
@@ -309,8 +312,8 @@ impl<'s> Buffers<'s> {
         }
     }
 
-    /// The colour of the sample at (x, y) where it takes other rays than the one that hits `hit` first: where more of
-    /// its hits show, or a texture that was taken from where the hit is hidden.
+    /// The colour of the sample at (x, y) (linear light, straight alpha) where that of its closest hit `hit` is not the
+    /// answer: where further layers show, or the camera of a photograph does not see the hit. `None` elsewhere.
     fn beyond_the_nearest(&mut self, place: (f64, f64), hit: &PrimitiveHit) -> Option<[f32; 4]> {
         let Self {
             shader,
@@ -329,7 +332,7 @@ impl<'s> Buffers<'s> {
     }
 }
 
-/// What casting and shading need, and what they took.
+/// A tile's casting and shading, and their statistics.
 struct Work<'a, 's> {
     view: &'a View,
     clock: Clock<'a>,
@@ -351,7 +354,7 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// One sample a pixel of a sub-camera, into its rows.
+    /// Renders a sub-camera with one sample a pixel into the rows of its rectangle.
     fn paint<'p>(&mut self, sub_camera: SubCamera, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         let (lattice, rect) = (sub_camera.lattice(), sub_camera.rect);
         self.find(&lattice);
@@ -362,7 +365,7 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// The pixels of a rectangle whose rays have just been cast.
+    /// Shades a rectangle whose rays have just been cast.
     fn shade_found<'p>(
         &mut self,
         lattice: &Lattice,
@@ -372,7 +375,7 @@ impl<'a, 's> Work<'a, 's> {
         let Some((section, shown)) = self.cut(lattice) else {
             return self.shade_layers(lattice, rect, rows);
         };
-        // What is behind a section is not shaded.
+        // Hits behind a section are not shaded.
         for (primitive, shown) in self.buffers.hits.primitives.iter_mut().zip(&shown) {
             if *shown != Shown::NONE {
                 *primitive = MISS;
@@ -389,7 +392,7 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// What the rays of a lattice, which have just been cast, show of sections; `None` where none shows any.
+    /// What each ray of the lattice that was just cast shows of sections; `None` if no ray shows any.
     fn cut(&mut self, lattice: &Lattice) -> Option<(&'s Section<'s>, Vec<Shown>)> {
         let section = self.section()?;
         let begin = (self.clock)();
@@ -406,7 +409,8 @@ impl<'a, 's> Work<'a, 's> {
         }
         let (columns, rows) = (lattice.columns as usize, lattice.rows as usize);
         let plane = self.view.camera.plane();
-        // The rays next to the lattice; beyond the picture there are none.
+        // A section's outline depends on neighbouring rays. Those next to the lattice are cast here; outside the
+        // picture there are none.
         let View {
             accel, settings, ..
         } = self.view;
@@ -452,17 +456,17 @@ impl<'a, 's> Work<'a, 's> {
         Some((section, shown))
     }
 
-    /// The section that clipping planes make, if any is seen.
+    /// The section of the clipping planes, if any is visible.
     fn section(&self) -> Option<&'s Section<'s>> {
         self.buffers.shader.shader().section()
     }
 
-    /// Whether no ray that was just cast shows anything.
+    /// Whether no ray that was just cast shows a surface or a section.
     fn shows_nothing(&self) -> bool {
         self.stats.counts.hits == 0 && !self.section().is_some_and(Section::is_seen_by_misses)
     }
 
-    /// The same, but for sections.
+    /// [`Work::shade_found`] without sections.
     fn shade_layers<'p>(
         &mut self,
         lattice: &Lattice,
@@ -486,7 +490,7 @@ impl<'a, 's> Work<'a, 's> {
         });
     }
 
-    /// The same, but for what takes other rays.
+    /// [`Work::shade_found`] by the closest hits alone.
     fn shade_nearest<'p>(
         &mut self,
         lattice: &Lattice,
@@ -503,7 +507,7 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// Visibility.
+    /// Finds the triangle that each ray of a lattice hits first.
     fn find(&mut self, lattice: &Lattice) {
         let Settings {
             cull,
@@ -521,7 +525,7 @@ impl<'a, 's> Work<'a, 's> {
         self.stats.rays += self.buffers.hits.len() as u64;
     }
 
-    /// t, u and v at the triangles found, as far as the picture needs them.
+    /// Computes t, u and v of the hits, as far as the picture needs them.
     fn evaluate(&mut self, lattice: &Lattice) {
         let begin = (self.clock)();
         let Settings {
@@ -558,7 +562,7 @@ impl<'a, 's> Work<'a, 's> {
         (self.clock)().saturating_sub(begin)
     }
 
-    /// The layers of the lattice just cast, but for the colours.
+    /// The layers of the lattice that was just cast, without the colours.
     fn layers(&mut self, lattice: &Lattice) -> Layers {
         let begin = (self.clock)();
         let Buffers { hits, shader, .. } = &mut *self.buffers;

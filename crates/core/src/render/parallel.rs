@@ -13,13 +13,13 @@ use crate::scene::{ColorRule, Masks, Object};
 use crate::shade::{DrawnLegend, Legend, Mode, Shader};
 use std::sync::{Mutex, PoisonError};
 
-/// The distance, in pixels, of the rays that the colours of depth are fitted to: some thousand rays of a usual
-/// picture, which take a hundredth of its time. With a smaller distance fitting takes longer, with a larger one it
-/// misses near and far objects.
+/// The distance in pixels between the rays that the colours of depth are fitted to: some thousands of rays in a usual
+/// picture, which take a hundredth of its time. With a smaller distance fitting takes longer; with a larger one small
+/// near and far objects are missed.
 const DEPTH_STRIDE: u32 = 16;
 
-/// The most of these rays along a side. Each band of a picture larger than memory casts them all, so the limit keeps
-/// them few compared with the band's own rays.
+/// The most of these rays along a side. Every band of a large picture casts all of them; the limit keeps them few
+/// compared with the band's own rays.
 const DEPTH_RAYS: u32 = 256;
 
 impl View {
@@ -106,7 +106,7 @@ impl View {
     }
 
     /// Casts every ray of the picture, a tile at a time, and discards the hits, for measuring: visibility alone, or
-    /// with t, u and v of every hit.
+    /// with t, u and v of every hit. Only the counts of the result are set; measure the time of the call.
     pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
@@ -240,7 +240,6 @@ impl View {
     /// part of it. `None` if no ray hits anything.
     fn depths_seen(&self, masks: Option<&Masks<'_>>) -> Option<[f32; 2]> {
         let plane = self.camera.plane();
-        // Each band casts them, so a large picture has few rays of this lattice for its many bands.
         let stride = DEPTH_STRIDE.max(plane.columns.max(plane.rows).div_ceil(DEPTH_RAYS));
         let lattice = self.camera.whole().sparse_lattice(stride, (0, 0));
         let Settings {
@@ -260,7 +259,7 @@ impl View {
         })
     }
 
-    /// Renders a tile in one go.
+    /// Renders a tile with all its samples in one pass.
     pub(super) fn finish(
         &self,
         sub_camera: SubCamera,

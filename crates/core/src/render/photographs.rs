@@ -4,8 +4,8 @@ use crate::scene::Masks;
 use crate::shade::TileShader;
 use crate::single::Clipped;
 
-/// Tests hits for visibility from where textures were taken: hits that are not visible from there show their object's
-/// own colours.
+/// Tests whether hits are visible from the cameras of photographs that are projected onto them. Hits that are not show
+/// their object's own colours.
 ///
 /// These rays hit what the picture's rays can hit, and are always cast exactly.
 #[derive(Debug)]
@@ -22,8 +22,8 @@ impl<'s> Photographs<'s> {
         }
     }
 
-    /// The colour of the sample at (x, y) of the picture (linear light, straight alpha) where its hit would show a
-    /// photograph that does not see it.
+    /// The colour of the sample at (x, y) of the picture (linear light, straight alpha) if its hit has a photograph
+    /// whose camera does not see the hit; `None` otherwise.
     pub(super) fn hidden(
         &self,
         shader: &mut TileShader<'_>,

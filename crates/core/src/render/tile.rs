@@ -36,7 +36,7 @@ pub struct Tile {
     pub rect: Rect,
     /// Its sRGB pixels, row by row, with straight alpha.
     pub pixels: Vec<[u8; 4]>,
-    /// Depth, numbers, normals and texture coordinates, if requested.
+    /// The layers, if [`Settings::layers`](super::Settings::layers) asks for them.
     pub layers: Option<Layers>,
     /// The statistics of rendering it.
     pub stats: TileStats,

@@ -18,11 +18,12 @@ pub struct Settings {
     pub clip: ClippingPlanes,
     /// Exact or rounded casting.
     pub precision: Precision,
-    /// Rays a pixel, at least 1. The first goes through the pixel's centre.
+    /// Rays per pixel; zero counts as one. The first goes through the pixel's centre.
     pub samples: u32,
     /// How samples are weighted by their offset from the pixel's centre.
     pub pixel_filter: PixelFilter,
-    /// Whether to keep depth, numbers, normals and texture coordinates beside the colours.
+    /// Whether to keep colours in linear light, depth, object and triangle numbers, normals and texture coordinates as
+    /// well as the 8-bit pixels.
     pub layers: bool,
 }
 
@@ -50,7 +51,7 @@ impl Cancel {
 pub struct View {
     /// The objects.
     pub scene: Arc<Scene>,
-    /// The tree over them: `Accel::build(&scene)`.
+    /// The tree over them: [`Accel::build`] or [`Accel::build_instances`] of this scene.
     pub accel: Arc<Accel>,
     /// The camera.
     pub camera: Camera,

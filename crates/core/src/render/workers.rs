@@ -4,8 +4,8 @@ use super::view::Cancel;
 use crate::camera::{ImagePlane, Rect};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Calls `work` with every index below `count`, in ascending order so far as several workers can, until `cancel`.
-/// Each worker has its own buffers. Returns whether all were done.
+/// Calls `work` with every index below `count`; workers take indices in ascending order, until `cancel`. Each worker
+/// has its own buffers. Returns whether all indices were done.
 pub(super) fn in_parallel<B>(
     count: usize,
     cancel: &Cancel,

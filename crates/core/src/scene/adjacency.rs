@@ -29,7 +29,7 @@ impl Across {
 }
 
 impl Adjacency {
-    /// For so many triangles, none of which is a face yet.
+    /// For this many triangles, none of which is a face yet.
     pub(crate) fn of(triangles: usize) -> Self {
         let [.., (_, no_face)] = Across::NUMBERS;
         Self {

@@ -9,7 +9,8 @@ pub const CLIPPING_PLANES: usize = 8;
 /// on these numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClippingPlane {
-    /// Points towards the kept side. Its length is between 1e-154 and 1e154, so that its square is a normal number.
+    /// Points towards the kept side. Need not be of unit length: from 1.5e-154 to 1.3e154, so that its squared length
+    /// is a normal number.
     pub normal: DVec3,
     /// `normal · p` of the plane's points; finite. With a unit normal it is the plane's signed distance from the
     /// origin, in scene units.

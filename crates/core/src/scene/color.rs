@@ -6,7 +6,8 @@ use std::str::FromStr;
 pub struct Color(pub [u8; 3]);
 
 impl Color {
-    /// Light grey, the colour of objects without a colour of their own.
+    /// Light grey: the colour of triangles to which neither their file nor a rule gives one, unless the picture's
+    /// shading sets another.
     pub const DEFAULT: Self = Self([0xc8, 0xcc, 0xd2]);
 }
 
@@ -48,8 +49,8 @@ pub enum ColorRule {
         /// The seed; each selects another assignment of colours.
         seed: u32,
     },
-    /// The file's materials; [`Color::DEFAULT`] where it names none. In unlit pictures of a file without any
-    /// material, a colour a triangle.
+    /// The file's materials and vertex colours; the shading's plain colour where it gives none. In unlit pictures of a
+    /// mesh without any materials or vertex colours, a colour a triangle.
     File,
     /// A colour an object, from its number.
     ByObject,
@@ -77,7 +78,7 @@ impl std::fmt::Display for ColorRule {
 impl FromStr for ColorRule {
     type Err = String;
 
-    /// Parses what [`ColorRule`] displays.
+    /// Parses what [`ColorRule`] displays, and `per-triangle:0`, `curvature:mean` and colours as [`Color`] parses them.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, of) = match text.split_once(':') {
             Some((kind, of)) => (kind, Some(of)),
@@ -104,7 +105,7 @@ impl FromStr for ColorRule {
 }
 
 impl ColorRule {
-    /// The colour of `triangle`, where the rule and the triangle's number decide it.
+    /// The colour of `triangle`, where the rule and the triangle's number alone decide it; `None` for other rules.
     pub fn color(&self, triangle: u32) -> Option<Color> {
         match *self {
             Self::Uniform(color) => Some(color),

@@ -23,7 +23,7 @@ impl Scene {
 /// added. No count is as large.
 const MORE: u64 = u64::MAX;
 
-/// Colours of vertices that are digested together: taken one by one, they took longer than all else of a mesh.
+/// Vertex colours that are digested at a time: one by one they took longer than all else of a mesh.
 const AT_ONCE: usize = 4096;
 
 fn add_object(hash: &mut Digester, object: &Object) {
@@ -134,6 +134,16 @@ fn add_mesh(hash: &mut Digester, mesh: &Mesh) {
             bytes.extend(color.map(|Color(rgb)| rgb).iter().flatten());
         }
         hash.bytes(&bytes);
+    }
+    // Wireframes can leave them out. Hashed only where present: meshes of triangles keep their checksum.
+    let diagonals = mesh.diagonals().words();
+    if diagonals.iter().any(|word| *word != 0) {
+        hash.bytes(b"diagonals");
+        hash.words(
+            diagonals
+                .iter()
+                .flat_map(|word| [*word as u32, (*word >> 32) as u32]),
+        );
     }
     hash.number(mesh.materials().len() as u64);
     for material in mesh.materials() {
@@ -292,7 +302,7 @@ fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Bounds, MeshData};
+    use crate::scene::{Bounds, Diagonals, MeshData};
     use glam::{Vec2, Vec3};
     use std::path::PathBuf;
     use std::sync::Arc;
@@ -371,13 +381,20 @@ mod tests {
     #[test]
     fn all_that_decides_a_picture_counts() {
         let mut digests = vec![scene(data(), |_| ()).content(), Scene::default().content()];
-        let changes: [fn(&mut MeshData); 22] = [
+        fn diagonals(edges: [bool; 3]) -> Diagonals {
+            let mut diagonals = Diagonals::of(2);
+            diagonals.set(0, edges);
+            diagonals
+        }
+        let changes: [fn(&mut MeshData); 24] = [
             |data| data.colors[0] = Some(Color([7, 8, 10])),
             |data| data.colors.swap(0, 1),
             |data| data.positions[1].x = 1f64.next_up() as f32 as f64 + 1e-7,
             |data| data.positions.iter_mut().for_each(|p| p.x += 1e6),
             |data| data.triangles[1] = [1, 0, 3],
             |data| data.triangles.truncate(1),
+            |data| data.diagonals = diagonals([true, false, false]),
+            |data| data.diagonals = diagonals([false, true, false]),
             |data| data.normals = None,
             |data| data.normals.as_mut().expect("normals").values[0] = Vec3::Y,
             |data| data.normals.as_mut().expect("normals").indices = None,

@@ -1,4 +1,4 @@
-//! Normals for meshes without normals: smooth across all edges but sharp ones.
+//! Vertex normals for meshes without normals: smooth across edges below a crease angle.
 
 use super::{Attribute, weld};
 use crate::math;

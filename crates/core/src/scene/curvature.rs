@@ -9,6 +9,7 @@ pub(super) struct Curvatures {
     /// Mean curvature, one a vertex; NaN where it is undefined: at open edges, at edges of more than two triangles,
     /// and at vertices without triangles.
     pub(super) mean: Vec<f32>,
+    /// Gaussian curvature, likewise.
     pub(super) gaussian: Vec<f32>,
 }
 

@@ -10,7 +10,7 @@ pub struct Diagonals {
 const A_WORD: usize = 21;
 
 impl Diagonals {
-    /// For so many triangles, no edge a diagonal.
+    /// For this many triangles; no edge is a diagonal.
     pub(crate) fn of(triangles: usize) -> Self {
         Self {
             words: vec![0; triangles.div_ceil(A_WORD)],

@@ -6,7 +6,7 @@ use std::sync::Arc;
 pub struct Material {
     /// The file's name for it.
     pub name: String,
-    /// Diffuse colour.
+    /// Base colour (diffuse colour), sRGB.
     pub color: Color,
     /// An image for the surfaces that have it.
     pub texture: Option<Arc<Texture>>,

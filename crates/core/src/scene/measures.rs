@@ -30,7 +30,7 @@ impl Measures {
     }
 }
 
-/// The range without the fraction [`OUTLIERS`] of the values at either end.
+/// The range without the fraction [`OUTLIERS`] of the values at either end; `None` without values.
 pub(super) fn without_outliers(mut values: Vec<f32>) -> Option<[f32; 2]> {
     let last = values.len().checked_sub(1)?;
     let low = (last as f64 * OUTLIERS) as usize;

@@ -21,7 +21,7 @@ pub struct MeshData {
     pub materials: Vec<Material>,
     /// A material index a triangle (`u32::MAX`: none); empty where the file has no materials.
     pub material_of_triangle: Vec<u32>,
-    /// A colour a vertex; vertices beyond the end of the list have none.
+    /// An sRGB colour for each vertex; vertices beyond the end of the list have none.
     pub colors: Vec<Option<Color>>,
     /// The scalars that the file gives vertices and triangles.
     pub scalars: Vec<Scalar>,

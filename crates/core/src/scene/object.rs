@@ -20,7 +20,7 @@ pub struct Object {
     pub color: ColorRule,
     /// An image for its surface.
     pub texture: Option<Arc<Texture>>,
-    /// How its texture lies on it, where that is its own.
+    /// How its texture is mapped, where that is set for the object itself.
     pub mapping: TextureMapping,
     /// The mesh scalar (0 to 1) that multiplies the picture's blend: how much of the texture shows at each point; all
     /// of it where the scalar is NaN. `None`: all of it everywhere.
@@ -118,7 +118,8 @@ impl Object {
         self.mesh.corner_colors(triangle)
     }
 
-    /// The sRGB colour of one of its triangles, by its rule or its file; else [`Color::DEFAULT`].
+    /// The sRGB colour of one of its triangles: by the rule where the triangle's number alone decides it, by the file's
+    /// material for [`ColorRule::File`]; else [`Color::DEFAULT`], whatever the picture's shading says.
     pub fn triangle_color(&self, triangle: u32) -> Color {
         let by_file = || {
             let material = self
@@ -222,8 +223,8 @@ impl Scene {
             .sum()
     }
 
-    /// An upper bound of the bytes that it takes to compute the normals of a crease angle for the meshes without
-    /// normals. A mesh that several objects share counts once.
+    /// An upper bound of the bytes that it takes to compute [`Mesh::creased`] for the meshes without normals. A mesh
+    /// that several objects share counts once.
     pub fn crease_bytes(&self) -> u64 {
         // Per triangle: its corners sorted by vertex, their normals, and a copy of both in parts. Per vertex: its
         // welded vertex, and the sorted positions.

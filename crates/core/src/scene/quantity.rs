@@ -8,9 +8,10 @@ use std::sync::Arc;
 pub enum Quantity {
     /// The area of the triangle, in the mesh's own coordinates.
     Area,
-    /// The distance of the point from the eye (orthographic: along its ray), or from a point in the world.
+    /// The Euclidean distance of the point from the eye (orthographic: along its ray), or from a point in world space;
+    /// in scene units.
     Distance(Option<DVec3>),
-    /// The curvature at vertices, in the mesh's own coordinates, interpolated between them.
+    /// The curvature at vertices, in the mesh's own coordinates (1/length, or 1/length²), interpolated between them.
     Curvature(Curvature),
     /// The file's scalar of this name.
     Scalar(Arc<str>),
@@ -41,7 +42,7 @@ impl fmt::Display for Quantity {
 impl FromStr for Quantity {
     type Err = String;
 
-    /// Parses what [`Quantity`] displays.
+    /// Parses what [`Quantity`] displays, and `curvature:mean`. Coordinates must be finite.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, of) = match text.split_once(':') {
             Some((kind, of)) => (kind, Some(of)),

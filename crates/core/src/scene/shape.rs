@@ -70,16 +70,16 @@ pub struct ShapeError {
 }
 
 impl Shape {
-    /// A length where none is given.
+    /// The default of radii, heights and sides, in scene units.
     pub const LENGTH: f64 = 1.0;
-    /// The radius of a torus's tube where none is given.
+    /// The default radius of a torus's tube.
     pub const TUBE: f64 = 0.25;
-    /// Segments where none are given: enough to look round.
+    /// The default number of segments: enough to look round.
     pub const SEGMENTS: u32 = 64;
-    /// Rings where none are given.
+    /// The default number of rings.
     pub const RINGS: u32 = 32;
 
-    /// Each kind with the numbers that it has where none is given.
+    /// Each kind with the defaults.
     pub const ALL: [Self; 7] = [
         Self::Cube {
             size: DVec3::splat(Self::LENGTH),
@@ -114,10 +114,10 @@ impl Shape {
         },
     ];
 
-    /// The most segments, or rings.
+    /// The largest number of segments, and of rings.
     pub const PARTS: u32 = 1 << 14;
 
-    /// The name for people.
+    /// The kind's name, as in scene files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Cube { .. } => "cube",
@@ -130,13 +130,13 @@ impl Shape {
         }
     }
 
-    /// The number of triangles.
+    /// The number of triangles of a valid shape's mesh.
     pub fn triangles(&self) -> u64 {
         let quads = |segments: u32, rings: u32| 2 * u64::from(segments) * u64::from(rings);
         match *self {
             Self::Cube { .. } => 12,
             Self::Plane { .. } => 2,
-            // At the poles quads are triangles.
+            // The two rings at the poles have triangles in place of quads.
             Self::Sphere {
                 segments, rings, ..
             } => quads(segments, rings.saturating_sub(1)),

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
 impl Shape {
-    /// The mesh.
+    /// The mesh: outward normals, and texture coordinates that cover the image once; each face of a cube has all of it.
     ///
     /// # Errors
     /// As [`Shape::check`].
@@ -116,7 +116,7 @@ impl Shape {
     }
 }
 
-/// A box: eight corners, each face with its own normal and all of the texture.
+/// A box: eight vertices; each face has its own normal and the whole texture.
 fn cube(size: DVec3) -> MeshData {
     let corner = |index: u32| {
         let side = |bit: u32| if index >> bit & 1 == 1 { 0.5 } else { -0.5 };

@@ -1,8 +1,8 @@
 use super::Color;
 use std::str::FromStr;
 
-/// What a texture shows beyond its image, along one axis. In units of the image's side, so that the image lies at 0 ≤
-/// coordinate < 1.
+/// What a texture shows beyond its image, along one axis. Coordinates are in units of the image's side; the image
+/// covers 0 ≤ coordinate < 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// Repeats the image: coordinate − ⌊coordinate⌋.
@@ -26,7 +26,7 @@ impl Wrap {
         match self {
             Self::Repeat => coordinate - coordinate.floor(),
             Self::Mirror => coordinate - 2.0 * (coordinate * 0.5).floor(),
-            // More than a side away there is nothing but the border, also between texels.
+            // More than a side away only the border shows, also to filters that blend texels.
             Self::Clamp | Self::Border(_) => coordinate.clamp(-1.0, 2.0),
         }
     }

@@ -3,13 +3,12 @@
 //! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
 //! are the same to the bit.
 
-use super::edges::LineStyle;
 use super::eight_colors::EightColors;
-use super::hit_rows::{EightHits, HitRows};
+use super::hit_rows::{EightHits, EightNumbers, HitRows};
 use super::reflection::Surfaces;
-use super::smooth::{Facets, Rows, Vectors};
 use super::tile::within;
 use super::tile_rays::TileRays;
+use super::vectors::{Rows, Vectors};
 use super::{TileShader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::hits::{any_misses, runs};
@@ -75,36 +74,37 @@ impl TileShader<'_> {
         hits: &EightHits<'_>,
     ) -> Eight<L> {
         let shader = self.shader();
+        let mut numbers = EightNumbers::ZERO;
+        let interpolated;
+        let hits = match shader.planar() {
+            None => hits,
+            Some(planar) => {
+                let primitives = hits.primitives;
+                let of = (planar, rays, place);
+                if !self.interpolate(lanes, colors, of, primitives, &mut numbers) {
+                    return Eight::Light(self.one_by_one(lanes, rays, place, hits));
+                }
+                interpolated = numbers.with(primitives);
+                &interpolated
+            }
+        };
         let (u, v) = hits.load_weights(lanes);
         let light = match colors {
-            EightColors::Own | EightColors::Flat | EightColors::Smooth | EightColors::Material => {
-                let needs = shader.needs();
-                let is_lit = matches!(colors, EightColors::Smooth | EightColors::Material);
-                let (facets, own) = match (is_lit, needs.varied) {
-                    (true, false) => self.facets_and_colors(lanes, hits.primitives),
-                    (true, true) => {
-                        let facets = self.facets(lanes, hits.primitives);
-                        (facets, self.own_colors(lanes, hits))
-                    }
-                    (false, _) => (Facets::none(lanes), self.own_colors(lanes, hits)),
+            EightColors::Own => self.surface_colors(lanes, rays, place, hits, None),
+            EightColors::Flat => {
+                let surface = self.surface_colors(lanes, rays, place, hits, None);
+                surface.times(self.flat_light(lanes, hits.primitives))
+            }
+            EightColors::Smooth | EightColors::Material => {
+                let Some((normal, own)) = self.normals_and_colors(lanes, rays, place, hits) else {
+                    return Eight::Light(self.one_by_one(lanes, rays, place, hits));
                 };
-                let surface = if needs.texture {
-                    self.textured(lanes, rays, place, hits, own)
+                let surface = self.surface_colors(lanes, rays, place, hits, Some(own));
+                let to_eye = rays.to_eye(lanes, shader, place);
+                if matches!(colors, EightColors::Smooth) {
+                    surface.times(shader.light(lanes, normal, to_eye))
                 } else {
-                    own
-                };
-                match colors {
-                    EightColors::Flat => surface.times(self.flat_light(lanes, hits.primitives)),
-                    EightColors::Smooth => {
-                        let to_eye = rays.to_eye(lanes, shader, place);
-                        surface.times(shader.light(lanes, &facets, hits.weights, to_eye))
-                    }
-                    EightColors::Material => {
-                        let to_eye = rays.to_eye(lanes, shader, place);
-                        let normal = facets.normal_at(lanes, u, v);
-                        self.reflected(lanes, hits.primitives, surface, normal, to_eye)
-                    }
-                    _ => surface,
+                    self.reflected(lanes, hits.primitives, surface, normal, to_eye)
                 }
             }
             EightColors::Lines => {
@@ -112,8 +112,9 @@ impl TileShader<'_> {
                 Vectors::splat(lanes, Vec3::new(r, g, b))
             }
             EightColors::Normals => {
-                let facets = self.facets(lanes, hits.primitives);
-                let normal = facets.normal_at(lanes, u, v);
+                let Some((normal, _)) = self.normals_and_colors(lanes, rays, place, hits) else {
+                    return Eight::Light(self.one_by_one(lanes, rays, place, hits));
+                };
                 let half = Vectors::splat(lanes, Vec3::splat(0.5));
                 return Eight::Display(normal.times(half).plus(half));
             }
@@ -134,46 +135,36 @@ impl TileShader<'_> {
         Eight::Light(light)
     }
 
-    /// Eight opaque colours with the lines over them.
+    /// Colours of eight surfaces with their textures; `own` are the triangles' colours where they are known.
     #[inline(always)]
-    fn with_lines<L: Lanes>(
+    fn surface_colors<L: Lanes>(
         &mut self,
         lanes: L,
         rays: &TileRays,
-        (column, row): (u32, u32),
-        primitives: &[u32; LANES],
-        under: Vectors<L>,
+        place: (u32, u32),
+        hits: &EightHits<'_>,
+        own: Option<Vectors<L>>,
     ) -> Vectors<L> {
-        let shader = self.shader();
-        let (xs, y) = (rays.columns(column), rays.row(row));
-        let mut coverage = lanes.splat(0.0);
-        let mut color = Vectors::splat(lanes, shader.lines.color_of(LineStyle::Plain));
-        for run in runs(primitives) {
-            let facet = self.facet(run.primitive, xs[0]);
-            let from = lanes.mask_from(run.first);
-            let mut covered = [0.0; LANES];
-            match &facet.edges {
-                None => {}
-                Some(edges) if !edges.is_chosen() => {
-                    covered = edges.coverages(&xs, y, shader.lines.width);
-                }
-                Some(edges) => {
-                    let mut colors = Rows::ZERO;
-                    for (lane, covered) in covered.iter_mut().enumerate() {
-                        let (most, style) = edges.coverage(xs[lane], y, shader.lines.width);
-                        *covered = most;
-                        colors.set(lane, shader.lines.color_of(style));
-                    }
-                    color = color.replaced(from, Vectors::load(lanes, &colors));
-                }
-            }
-            coverage = from.select(lanes.load(&covered), coverage);
+        let needs = self.shader().needs();
+        let own = match own {
+            Some(own) if !needs.varied => own,
+            _ => self.own_colors(lanes, hits),
+        };
+        if needs.texture {
+            self.textured(lanes, rays, place, hits, own)
+        } else {
+            own
         }
-        // As `over` has it for an opaque colour: c + (1 − c) is 1, since its difference is off by half a unit in the last
-        // place of what is below 1 at most.
-        let rest = lanes.splat(1.0) - coverage;
-        let lined = color.scaled(coverage).plus(under.scaled(rest));
-        under.replaced(lanes.splat(0.0).lt(coverage), lined)
+    }
+
+    /// Of eight pixels, those that show a triangle show its one colour.
+    #[inline(always)]
+    fn show_constants(&mut self, primitives: &[u32; LANES], pixels: &mut [[u8; 4]; LANES]) {
+        for (&primitive, pixel) in primitives.iter().zip(pixels) {
+            if primitive != MISS {
+                *pixel = self.constant(0.0, 0.0, primitive);
+            }
+        }
     }
 
     /// Of eight pixels, those that show no triangle show what lies behind.
@@ -219,20 +210,6 @@ impl TileShader<'_> {
         }
     }
 
-    /// Normals of the triangles that eight samples show.
-    #[inline(always)]
-    fn facets<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Facets<L> {
-        if *primitives == [primitives[0]; LANES] {
-            return Facets::one(lanes, self.facet(primitives[0], 0.0));
-        }
-        let mut facets = Facets::none(lanes);
-        for run in runs(primitives) {
-            let one = Facets::one(lanes, self.facet(run.primitive, 0.0));
-            facets = facets.replaced(lanes.mask_from(run.first), one);
-        }
-        facets
-    }
-
     /// The light on the triangles that eight samples show.
     #[inline(always)]
     fn flat_light<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
@@ -266,29 +243,6 @@ impl TileShader<'_> {
         let w = lanes.splat(1.0) - u - v;
         let [ax, bx, cx, ay, by, cy] = corners;
         [ax * w + bx * u + cx * v, ay * w + by * u + cy * v]
-    }
-
-    /// Normals and colours of the triangles that eight samples show, in pictures where no triangle's colours vary.
-    #[inline(always)]
-    fn facets_and_colors<L: Lanes>(
-        &mut self,
-        lanes: L,
-        primitives: &[u32; LANES],
-    ) -> (Facets<L>, Vectors<L>) {
-        if *primitives == [primitives[0]; LANES] {
-            let facet = self.facet(primitives[0], 0.0);
-            let color = Vectors::splat(lanes, facet.color);
-            return (Facets::one(lanes, facet), color);
-        }
-        let mut facets = Facets::none(lanes);
-        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        for run in runs(primitives) {
-            let facet = self.facet(run.primitive, 0.0);
-            let from = lanes.mask_from(run.first);
-            facets = facets.replaced(from, Facets::one(lanes, facet));
-            colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
-        }
-        (facets, colors)
     }
 
     /// Colours of the surfaces that eight samples show, without textures.
@@ -380,6 +334,8 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
         let columns = lattice.columns as usize;
         let has_lines = shader.needs().edges;
         let is_plain = !shader.has_overlay();
+        let is_planar = shader.planar().is_some();
+        let is_constant = shader.has_constant_surfaces() && has_lines && is_plain;
         for row in 0..lattice.rows {
             let begin = row as usize * columns;
             let (pixels, light) = match &mut picture {
@@ -397,10 +353,27 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                 let place = (column, row);
                 let at = column as usize..column as usize + LANES;
                 column += LANES as u32;
-                let hits = hits.eight(begin + at.start);
+                // Not looked for where they are not used.
+                let hits = match is_planar {
+                    true => EightNumbers::ZERO.with(hits.eight_primitives(begin + at.start)),
+                    false => hits.eight(begin + at.start),
+                };
                 let is_empty = *hits.primitives == [MISS; LANES];
                 if let (true, Some(pixels)) = (is_plain & is_empty, pixels.get_mut(at.clone())) {
                     pixels.fill(backdrop);
+                    continue;
+                }
+                let mut lines = None;
+                if has_lines && !is_empty {
+                    let found = tile.eight_lines(lanes, &rays, place, hits.primitives);
+                    if found.are_seen(lanes) {
+                        lines = Some(found);
+                    }
+                }
+                let out = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut);
+                if let (true, None, Some(out)) = (is_constant, &lines, out) {
+                    tile.show_constants(hits.primitives, out);
+                    tile.show_behind(&rays, place, hits.primitives, out);
                     continue;
                 }
                 let mut eight = if is_empty {
@@ -408,13 +381,12 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                 } else {
                     tile.shade_eight(lanes, colors, &rays, place, &hits)
                 };
-                if has_lines {
+                if let Some(lines) = lines {
                     let under = match eight {
                         Eight::Light(light) => light,
                         Eight::Display(values) => shader.tables.displayed(lanes, values),
                     };
-                    let primitives = hits.primitives;
-                    eight = Eight::Light(tile.with_lines(lanes, &rays, place, primitives, under));
+                    eight = Eight::Light(lines.over(lanes, under));
                 }
                 if let Some(pixels) = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut) {
                     match eight {

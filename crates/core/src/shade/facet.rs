@@ -1,6 +1,8 @@
 //! Shading triangles: what all pixels of a triangle share.
 
 use super::edges::EdgeLines;
+use super::interpolants::{Interpolants, LinearNormal};
+use crate::PrimitiveHit;
 use glam::{DVec3, Vec2, Vec3};
 
 /// What a mode needs of each triangle; nothing else is computed.
@@ -22,6 +24,8 @@ pub(super) struct Needs {
     pub(super) uvs: bool,
     /// The reflectance of its material.
     pub(super) reflectance: bool,
+    /// Its interpolants over the image plane.
+    pub(super) interpolants: bool,
     /// Lines.
     pub(super) edges: bool,
     /// Whether the ground may lie before it.
@@ -57,6 +61,21 @@ pub(super) struct Facet {
     pub(super) edges: Option<EdgeLines>,
     /// Whether the ground may lie before it.
     pub(super) shows_ground: bool,
+    /// Where t, u and v of its samples come from.
+    pub(super) interpolation: Interpolation,
+    /// The normals at the corners, interpolated over the image plane.
+    pub(super) linear_normal: Option<LinearNormal>,
+}
+
+/// Where t, u and v of a triangle's samples come from.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Interpolation {
+    /// From the hits.
+    Hits,
+    /// From linear functions of the sample's place.
+    Linear(Interpolants),
+    /// From the sample's ray: linear functions would not be accurate.
+    Ray,
 }
 
 /// How colours vary within a triangle.
@@ -102,6 +121,8 @@ impl Facet {
         material: None,
         edges: None,
         shows_ground: true,
+        interpolation: Interpolation::Hits,
+        linear_normal: None,
     };
 
     /// How much of the texture shows at barycentrics (u, v), 0 to 1; all of it where the object sets nothing.
@@ -116,6 +137,14 @@ impl Facet {
                     share.clamp(0.0, 1.0)
                 }
             }
+        }
+    }
+
+    /// The unit normal of a sample, on the visible side.
+    pub(super) fn normal_of(&self, x: f64, y: f64, hit: &PrimitiveHit) -> Vec3 {
+        match &self.linear_normal {
+            Some(normal) => normal.at(x, y, self.normal),
+            None => self.normal_at(hit.u, hit.v),
         }
     }
 

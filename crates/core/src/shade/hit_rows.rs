@@ -1,6 +1,6 @@
 //! Hits of a lattice's rays, eight of a row at a time.
 
-use super::smooth::Row;
+use super::vectors::Row;
 use crate::num::simd::{LANES, Lanes};
 use crate::{Hits, MISS, PrimitiveHit};
 
@@ -46,19 +46,51 @@ impl<'h> HitRows<'h> {
         }
     }
 
-    /// Those of eight rays from a number on; a miss beyond the last.
+    /// The triangles that eight rays from a number on hit; a miss beyond the last.
+    #[inline(always)]
+    pub(super) fn eight_primitives(&self, first: usize) -> &'h [u32; LANES] {
+        let primitives = self.primitives.get(first..).and_then(<[u32]>::first_chunk);
+        primitives.unwrap_or(&[MISS; LANES])
+    }
+
+    /// The hits of eight rays from a number on; a miss beyond the last.
     #[inline(always)]
     pub(super) fn eight(&self, first: usize) -> EightHits<'h> {
         const UNKNOWN: &Row = &[0.0; LANES];
         let numbers = |numbers: &'h [f32]| numbers.get(first..).and_then(<[f32]>::first_chunk);
-        let primitives = self.primitives.get(first..).and_then(<[u32]>::first_chunk);
         EightHits {
-            primitives: primitives.unwrap_or(&[MISS; LANES]),
+            primitives: self.eight_primitives(first),
             t: numbers(self.t).unwrap_or(UNKNOWN),
             weights: match (numbers(self.u), numbers(self.v)) {
                 (Some(u), Some(v)) => Some((u, v)),
                 _ => None,
             },
+        }
+    }
+}
+
+/// t, u and v of eight hits.
+#[repr(align(32))]
+pub(super) struct EightNumbers {
+    pub(super) t: Row,
+    pub(super) u: Row,
+    pub(super) v: Row,
+}
+
+impl EightNumbers {
+    pub(super) const ZERO: Self = Self {
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+    };
+
+    /// The hits of these triangles there.
+    #[inline(always)]
+    pub(super) fn with<'h>(&'h self, primitives: &'h [u32; LANES]) -> EightHits<'h> {
+        EightHits {
+            primitives,
+            t: &self.t,
+            weights: Some((&self.u, &self.v)),
         }
     }
 }

@@ -10,6 +10,8 @@ pub(super) const KEY: f32 = 0.80;
 /// How far the key light reaches beyond a right angle, as a cosine. It softens the edge of the shadow side, so that
 /// shapes there stay recognisable; with more, shapes look flat.
 pub(super) const WRAP: f32 = 0.10;
+/// The key light's strength over what the cosine reaches with it.
+pub(super) const WRAPPED_KEY: f32 = KEY / (1.0 + WRAP);
 
 /// Fill light from above the camera, slightly cool, and from below, slightly warm and much darker.
 pub(super) const SKY: Vec3 = Vec3::new(0.160, 0.168, 0.184);
@@ -108,11 +110,11 @@ impl Lights {
 
     fn soft(&self, normal: Vec3, to_eye: Vec3) -> Vec3 {
         let to_key = self.sources[0].direction.unwrap_or(to_eye);
-        let key = ((normal.dot(to_key) + WRAP) / (1.0 + WRAP)).max(0.0);
+        let key = (normal.dot(to_key) + WRAP).max(0.0);
         let above = 0.5 + 0.5 * normal.dot(self.up);
         let away = 1.0 - normal.dot(to_eye).abs().min(1.0);
         let rim = away * away * away * above;
-        GROUND + (SKY - GROUND) * above + Vec3::splat(KEY * key + RIM * rim)
+        GROUND + (SKY - GROUND) * above + Vec3::splat(WRAPPED_KEY * key + RIM * rim)
     }
 
     /// The ambient light on a surface with this unit normal.

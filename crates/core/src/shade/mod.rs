@@ -12,11 +12,16 @@ mod edges;
 mod eight;
 mod eight_channels;
 mod eight_colors;
+mod eight_interpolation;
+mod eight_lines;
 mod eight_texture;
 mod facet;
 mod footprint;
 mod ground;
 mod hit_rows;
+#[cfg(test)]
+mod interpolant_tests;
+mod interpolants;
 mod legend;
 mod light;
 mod line_overlay;
@@ -51,6 +56,7 @@ mod tile;
 mod tile_rays;
 mod translucent;
 mod triplanar;
+mod vectors;
 #[cfg(test)]
 mod vertex_color_tests;
 

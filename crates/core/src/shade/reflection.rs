@@ -1,7 +1,7 @@
 //! Reflection by metals and dielectrics of any roughness: a microfacet model under the picture's lights.
 
 use super::light::{Lights, Source};
-use super::smooth::Vectors;
+use super::vectors::Vectors;
 use crate::math;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::Vec3;
@@ -212,7 +212,7 @@ fn eight_reflected_of_all<L: Lanes>(
 #[cfg(test)]
 mod tests {
     use super::super::LightSet;
-    use super::super::smooth::Rows;
+    use super::super::vectors::Rows;
     use super::*;
     use crate::Simd;
     use crate::camera::{Camera, ImagePlane, Placement, Projection};

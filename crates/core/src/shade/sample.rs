@@ -1,8 +1,8 @@
 //! Reading textures in linear light, wrapped beyond the image.
 
 use super::Filter;
-use super::smooth::{Row, Rows, Vectors};
 use super::srgb::Tables;
+use super::vectors::{Row, Rows, Vectors};
 use crate::num::simd::{LANES, Lanes};
 use crate::scene::{Texture, Wrap};
 use glam::Vec3;

@@ -1,34 +1,34 @@
 //! The colours of a picture's samples.
 
 mod needs;
+mod sample_color;
 mod triangles;
 
 use super::depth_colors::DepthColors;
-use super::edges::EdgeLines;
-use super::facet::{Facet, Mapping, Needs, Varied, blend, unit};
+use super::facet::{Facet, Mapping, Needs};
 use super::ground::GroundGrid;
+use super::interpolants::PlanarRays;
 use super::legend::Legend;
 use super::light::Lights;
 use super::line_overlay::{LineOverlay, Wanted};
 use super::lines::Lines;
 use super::own_color::{OwnColors, distance_range};
 use super::ramp::Span;
-use super::reflection::{self, PlainReflectance, Surface, Surfaces};
 use super::section::Section;
 use super::sides::Sides;
-use super::slopes::slopes;
-use super::smooth::{self, Facets, Row, Vectors};
+use super::smooth;
 use super::srgb::{self, Tables};
 use super::texturing::Texturing;
 use super::translucent::Translucent;
 use super::triplanar::Triplanar;
+use super::vectors::{Row, Vectors};
 use super::{Background, Filter, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Lattice, Projection, Rect};
 use crate::hit::{Cull, MISS, PrimitiveHit};
 use crate::num::simd::{LANES, Lanes, Simd};
-use crate::scene::{Attribute, ClippingPlanes, ColorScale, Masks, Reflectance, Scene, Texture};
-use glam::{DVec3, Mat3, Vec2, Vec3};
+use crate::scene::{Attribute, ClippingPlanes, ColorScale, Masks, Scene, Texture};
+use glam::{DVec3, Mat3, Vec3};
 use needs::{is_colored, needs_of};
 use std::sync::Arc;
 use triangles::{creased, world_normals};
@@ -49,6 +49,8 @@ pub struct Shader<'a> {
     /// The direction from hits to the eye, not of unit length, is linear in the pixel: its value at the picture's top left
     /// corner, and its derivatives along x and y. Zero in panoramas.
     to_eye: [Vec3; 3],
+    /// The rays as linear functions of the place; `None` where colours take t, u and v from the hits.
+    planar: Option<PlanarRays>,
     lights: Lights,
     /// Normals by the crease angle of each object that has none of its own; empty where no pixel needs them.
     creased: Vec<Option<Arc<Attribute<Vec3>>>>,
@@ -93,6 +95,7 @@ impl<'a> Shader<'a> {
             needs,
             eye: camera.placement().eye - accel.origin(),
             to_eye: to_eye(&camera),
+            planar: None,
             lights: Lights::new(&camera, shading.lights),
             creased: creased(scene, &shading),
             world_normals: world_normals(scene),
@@ -123,6 +126,16 @@ impl<'a> Shader<'a> {
             tables: srgb::tables(),
         }
         .with_backdrops()
+        .with_planar_rays()
+    }
+
+    /// The shader with the rays' linear functions, where colours can take t, u and v from those.
+    fn with_planar_rays(mut self) -> Self {
+        if self.can_interpolate() {
+            self.planar = PlanarRays::new(&self.camera, self.accel.origin());
+            self.needs.interpolants = self.planar.is_some();
+        }
+        self
     }
 
     /// The shader with the sections that clipping planes make.
@@ -229,6 +242,9 @@ impl<'a> Shader<'a> {
 
     /// The colour of the sample at (x, y) of the picture, in pixels from its top left corner: linear light, straight alpha.
     ///
+    /// In planar pictures t, u and v are interpolated over the image plane, and those of `hit` make no difference unless lines,
+    /// a ground, translucent surfaces or photographs need them; elsewhere they are the hit's.
+    ///
     /// A photograph is shown as if its camera saw the hit; the caller, who can cast rays, tests whether it does.
     pub fn color(&self, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
         if hit.primitive == MISS {
@@ -298,16 +314,21 @@ impl<'a> Shader<'a> {
         self.depth.eight_greys(lanes, t)
     }
 
-    /// The light on eight samples with these shading triangles and barycentrics.
+    /// The light on eight surfaces with these unit normals.
     #[inline(always)]
     pub(super) fn light<L: Lanes>(
         &self,
         lanes: L,
-        facets: &Facets<L>,
-        weights: Option<(&Row, &Row)>,
+        normal: Vectors<L>,
         to_eye: Vectors<L>,
     ) -> Vectors<L> {
-        smooth::light(lanes, facets, &self.lights, weights, to_eye)
+        smooth::light(lanes, &self.lights, normal, to_eye)
+    }
+
+    /// The rays as linear functions of the place, where colours take t, u and v from those.
+    #[inline(always)]
+    pub(super) fn planar(&self) -> Option<&PlanarRays> {
+        self.planar.as_ref()
     }
 
     /// Unit vectors from eight samples of a row to the eye, in a planar picture.
@@ -410,209 +431,6 @@ impl<'a> Shader<'a> {
         let (first, rows) = self.camera.own_rows();
         let down = ((y - first) / rows).clamp(0.0, 1.0) as f32;
         opaque(top + (bottom - top) * down)
-    }
-
-    /// The colour of a sample on a triangle: linear light, straight alpha.
-    pub(super) fn color_on(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
-        let color = self.with_lines(facet, x, y, hit);
-        // Behind translucent surfaces the ground is composited last, by `behind`.
-        if self.translucent.is_some() {
-            color
-        } else {
-            self.grounded(x, y, hit.t, color)
-        }
-    }
-
-    /// The colour of a sample on a triangle and the lines over it.
-    fn with_lines(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
-        let inside = self.inside(facet, x, y, hit);
-        let Some(edges) = &facet.edges else {
-            return inside;
-        };
-        let lines = &self.lines;
-        if self.is_panoramic() {
-            let corners = self.corners(hit.primitive, x);
-            let edges = EdgeLines::at(&self.camera, corners, (x, y)).chosen_as(edges);
-            return lines.over(edges.coverage(x, y, lines.width), inside);
-        }
-        let inside = lines.seen_through(x, y, inside);
-        let lined = lines.over(edges.coverage(x, y, lines.width), inside);
-        lines.outlined(x, y, hit.t, lined)
-    }
-
-    /// The colour of a sample on a triangle, without lines.
-    fn inside(&self, facet: &Facet, x: f64, y: f64, hit: &PrimitiveHit) -> [f32; 4] {
-        match self.shading.mode {
-            Mode::Color => opaque(self.own_color(facet, hit.u, hit.v)),
-            Mode::Texture => opaque(self.surface_color(facet, || (x, y), hit)),
-            Mode::Flat => opaque(self.surface_color(facet, || (x, y), hit) * facet.light),
-            Mode::Smooth | Mode::XRay => {
-                let to_eye = self.to_eye_at(x, y);
-                let light = self.lights.on(facet.normal_at(hit.u, hit.v), to_eye);
-                opaque(self.surface_color(facet, || (x, y), hit) * light)
-            }
-            Mode::Material => opaque(self.reflected(facet, (x, y), hit)),
-            Mode::Normals => self.displayed(facet.normal_at(hit.u, hit.v) * 0.5 + 0.5),
-            Mode::Depth => opaque(self.depth.at(hit.t, self.tables)),
-            Mode::Barycentric => self.displayed(Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v)),
-            Mode::Uv => {
-                let uv = facet.uvs.map_or(Vec2::ZERO, |uvs| blend(uvs, hit.u, hit.v));
-                let uv = uv - uv.floor();
-                self.displayed(Vec3::new(uv.x, uv.y, 0.25))
-            }
-            Mode::Wireframe => self.backdrop(y),
-        }
-    }
-
-    /// An opaque colour given in sRGB, 0 to 1.
-    fn displayed(&self, value: Vec3) -> [f32; 4] {
-        opaque(value.to_array().map(|v| self.tables.display(v)).into())
-    }
-
-    /// The light that a material reflects and emits.
-    fn reflected(&self, facet: &Facet, (x, y): (f64, f64), hit: &PrimitiveHit) -> Vec3 {
-        let base = self.surface_color(facet, || (x, y), hit);
-        let PlainReflectance {
-            mut factors,
-            mut emission,
-            is_unlit,
-        } = self.plain_reflectance(facet);
-        if is_unlit {
-            return base;
-        }
-        if let Some(material) = self.reflectance(facet) {
-            (factors, emission) = self.texturing.reflectance(material, facet.uvs, hit);
-        }
-        let [metallic, roughness] = factors;
-        let surface = Surface {
-            base,
-            metallic,
-            roughness,
-        };
-        let to_eye = self.to_eye_at(x, y);
-        let normal = facet.normal_at(hit.u, hit.v);
-        reflection::reflected(&self.lights, surface, normal, to_eye) + emission
-    }
-
-    /// The reflectance of a triangle's material, where the file gives it.
-    fn reflectance(&self, facet: &Facet) -> Option<&Reflectance> {
-        let materials = self.scene.objects[facet.object as usize].mesh.materials();
-        let material = materials.get(facet.material? as usize)?;
-        material.reflectance.as_deref()
-    }
-
-    /// The reflectance of a triangle's material without its images; the default where the file gives none.
-    pub(super) fn plain_reflectance(&self, facet: &Facet) -> PlainReflectance {
-        let default = Reflectance::default();
-        let material = self.reflectance(facet);
-        let &Reflectance {
-            metallic,
-            roughness,
-            emission,
-            is_unlit,
-            ..
-        } = material.unwrap_or(&default);
-        PlainReflectance {
-            // A file's values are clamped; the default is in range.
-            factors: [metallic, roughness].map(|factor| factor.clamp(0.0, 1.0)),
-            emission: match material {
-                Some(_) => Vec3::from(emission),
-                None => Vec3::ZERO,
-            },
-            is_unlit,
-        }
-    }
-
-    /// The light that eight surfaces reflect.
-    #[inline(always)]
-    pub(super) fn eight_reflected<L: Lanes>(
-        &self,
-        lanes: L,
-        surfaces: &Surfaces<L>,
-        normal: Vectors<L>,
-        to_eye: Vectors<L>,
-    ) -> Vectors<L> {
-        reflection::eight_reflected(lanes, &self.lights, surfaces, normal, to_eye)
-    }
-
-    /// The unit vector from a sample to the eye.
-    fn to_eye_at(&self, x: f64, y: f64) -> Vec3 {
-        if self.is_panoramic() {
-            return -unit(self.camera.direction(x, y)).as_vec3();
-        }
-        let [corner, right, down] = self.to_eye;
-        let to_eye = corner + right * x as f32 + down * y as f32;
-        to_eye * (1.0 / to_eye.length())
-    }
-
-    /// The triangle's own colour at barycentrics (u, v): linear light.
-    #[inline(always)]
-    pub(super) fn own_color(&self, facet: &Facet, u: f32, v: f32) -> Vec3 {
-        match &facet.varied {
-            Varied::No => facet.color,
-            Varied::Colors(colors) => blend(*colors, u, v),
-            varied => self.own_colors.of_number(facet.object, varied, u, v),
-        }
-    }
-
-    /// The triangle's colour and its texture, mixed in linear light. `place`, the sample's place in the picture, is asked for
-    /// by filters with a footprint alone.
-    #[inline]
-    pub(super) fn surface_color(
-        &self,
-        facet: &Facet,
-        place: impl FnOnce() -> (f64, f64),
-        hit: &PrimitiveHit,
-    ) -> Vec3 {
-        let color = self.own_color(facet, hit.u, hit.v);
-        let Some(mapping) = &facet.texture else {
-            return color;
-        };
-        let Some(texture) = self.texture_on(facet) else {
-            return color;
-        };
-        let texture = (facet.object, texture);
-        let [r, g, b, a] = if self.shading.filter.has_footprint() {
-            self.filtered(texture, mapping, place(), hit)
-        } else {
-            self.texturing.sampled(texture, mapping, hit)
-        };
-        let blend = self.shading.blend * facet.blend_at(hit.u, hit.v);
-        let texel = Vec3::new(r, g, b);
-        let texel = if facet.is_tinted {
-            texel * color
-        } else {
-            texel
-        };
-        color * (1.0 - a * blend) + texel * blend
-    }
-
-    /// Whether any hit's colour depends on [`TileShader::taken_from`](super::TileShader::taken_from).
-    pub(crate) fn has_photographs(&self) -> bool {
-        self.texturing.has_photographs()
-    }
-
-    /// The eye of the photograph that a hit on a triangle shows if it is visible from there.
-    pub(super) fn taken_from(&self, facet: &Facet, hit: &PrimitiveHit) -> Option<DVec3> {
-        let mapping = facet.texture.as_ref()?;
-        let texture = self.texture_on(facet)?;
-        self.texturing
-            .taken_from((facet.object, texture), mapping, hit)
-    }
-
-    /// The texture filtered over the footprint of the sample at a place.
-    #[inline(never)]
-    fn filtered(
-        &self,
-        texture: (u32, &Texture),
-        mapping: &Mapping,
-        place: (f64, f64),
-        hit: &PrimitiveHit,
-    ) -> [f32; 4] {
-        let corners = self.corners(hit.primitive, place.0);
-        let slopes = slopes(&self.camera, corners, place, (hit.u, hit.v));
-        let slopes = slopes.map(|slope| slope * self.sample_width);
-        self.texturing.filtered(texture, mapping, hit, slopes)
     }
 }
 

@@ -4,7 +4,8 @@
 use super::LightSet;
 use super::facet::Facet;
 use super::light::Lights;
-use super::smooth::{Facets, Row, Rows, Vectors, light, to_eye};
+use super::smooth::{Facets, light, to_eye};
+use super::vectors::{Row, Rows, Vectors};
 use crate::Simd;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
@@ -16,7 +17,7 @@ struct Pixels<'a> {
     facet: &'a Facet,
     lights: &'a Lights,
     to_eye: &'a [Vec3; 3],
-    weights: Option<(&'a Row, &'a Row)>,
+    weights: (&'a Row, &'a Row),
     place: (&'a Row, f32),
     colors: &'a mut Rows,
 }
@@ -26,7 +27,9 @@ impl Work for Pixels<'_> {
     fn run(self, lanes: impl Lanes) {
         let facets = Facets::one(lanes, self.facet);
         let to_eye = to_eye(lanes, self.to_eye, self.place);
-        let light = light(lanes, &facets, self.lights, self.weights, to_eye);
+        let (u, v) = self.weights;
+        let normal = facets.normal_at(lanes, lanes.load(u), lanes.load(v));
+        let light = light(lanes, self.lights, normal, to_eye);
         let color = Vectors::splat(lanes, self.facet.color);
         *self.colors = color.times(light).store();
     }
@@ -60,14 +63,10 @@ fn every_instruction_set_gives_one_pixels_colours_to_the_bit() {
             })
         });
         let y = (random.unit() * 4000.0) as f32;
-        let weights = (round % 2 > 0).then_some((&u, &v));
         let expected: [Vec3; LANES] = std::array::from_fn(|lane| {
             let [corner, right, down] = to_eye;
             let to_eye = corner + right * x[lane] + down * y;
-            let normal = match weights {
-                Some((u, v)) => facet.normal_at(u[lane], v[lane]),
-                None => facet.normal,
-            };
+            let normal = facet.normal_at(u[lane], v[lane]);
             facet.color * lights.on(normal, to_eye * (1.0 / to_eye.length()))
         });
         for simd in [Simd::Plain, Simd::Avx2] {
@@ -76,7 +75,7 @@ fn every_instruction_set_gives_one_pixels_colours_to_the_bit() {
                 facet: &facet,
                 lights: &lights,
                 to_eye: &to_eye,
-                weights,
+                weights: (&u, &v),
                 place: (&x, y),
                 colors: &mut colors,
             };

@@ -1,7 +1,7 @@
 //! Conversion between sRGB bytes and linear light (IEC 61966-2-1) by tables: each value gives the byte that the standard's
 //! formula rounds to, without a power per pixel.
 
-use super::smooth::{Rows, Vectors};
+use super::vectors::{Rows, Vectors};
 use crate::math;
 use crate::num::simd::{F32x8, LANES, Lanes, Simd, Work, dispatch};
 use crate::scene::Color;
@@ -17,8 +17,8 @@ const DARKEST: f32 = 1.0 / 8192.0;
 /// The largest value below one.
 const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// A value's bits, shifted right by this, are its bucket's index: 7 bits of the mantissa remain, and a bucket is a 128th of
-/// a binade.
+/// A value's bits, shifted right by this, modulo [`ALL_BUCKETS`], are its bucket's index: 7 bits of the mantissa remain,
+/// and a bucket is a 128th of a binade.
 ///
 /// The least values of neighbouring bytes differ by at least 2.4 / 269 of themselves, more than a 128th: at most one lies
 /// in a bucket.
@@ -29,6 +29,9 @@ const BUCKETS: usize = 13 * 128;
 
 /// The next power of two: an index modulo it needs no bounds check.
 const ALL_BUCKETS: usize = BUCKETS.next_power_of_two();
+
+/// The index of [`DARKEST`]'s bucket, whose first value it is.
+const FIRST_BUCKET: usize = (DARKEST.to_bits() / BUCKET) as usize % ALL_BUCKETS;
 
 /// The sum with an integer from 0 to 2²² has the integer in its lowest bits.
 const WHOLE: f32 = (1 << 23) as f32;
@@ -70,10 +73,11 @@ impl Tables {
     fn new() -> Self {
         let begins: [f32; 256] = std::array::from_fn(|byte| begin(byte as u8));
         let step = |index: usize| {
-            if index >= BUCKETS {
+            let above = (index + ALL_BUCKETS - FIRST_BUCKET) % ALL_BUCKETS;
+            if above >= BUCKETS {
                 return u32::from(u8::MAX) * BUCKET;
             }
-            let lower = DARKEST.to_bits() + index as u32 * BUCKET;
+            let lower = DARKEST.to_bits() + above as u32 * BUCKET;
             let reached = |&begin: &f32| begin.to_bits() <= lower;
             let byte = begins.partition_point(reached) as u32 - 1;
             let next = begins.get(byte as usize + 1);
@@ -106,9 +110,9 @@ impl Tables {
     /// [`Tables::encode`] of a value from [`DARKEST`] to [`BRIGHTEST`].
     #[inline(always)]
     fn encode_within(&self, linear: f32) -> u8 {
-        let above = linear.to_bits() - DARKEST.to_bits();
-        let step = self.steps[(above / BUCKET) as usize];
-        ((step + above % BUCKET) / BUCKET) as u8
+        let bits = linear.to_bits();
+        let step = self.steps[(bits / BUCKET) as usize % ALL_BUCKETS];
+        ((step + bits % BUCKET) / BUCKET) as u8
     }
 
     /// The bytes of eight opaque colours.
@@ -119,23 +123,20 @@ impl Tables {
         colors: Vectors<L>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let rows = colors
+        let colors = colors
             .max(Vectors::splat(lanes, Vec3::splat(DARKEST)))
-            .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)))
-            .store()
-            .0;
-        // One kind of operation a loop, so that compilers vectorise all but the lookups.
+            .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)));
         let mut bytes = [[0; LANES]; 3];
-        for (row, bytes) in rows.iter().zip(&mut bytes) {
-            let (mut above, mut steps) = ([0; LANES], [0; LANES]);
+        for (colors, bytes) in colors.xyz().into_iter().zip(&mut bytes) {
+            // In lanes, all but the lookups.
+            let buckets = colors.shifted_bits(BUCKET_SHIFT, ALL_BUCKETS as u32 - 1);
+            let offsets = colors.shifted_bits(0, BUCKET - 1);
+            let mut steps = [0; LANES];
             for lane in 0..LANES {
-                above[lane] = row[lane].to_bits().wrapping_sub(DARKEST.to_bits());
+                steps[lane] = self.steps[buckets[lane] as usize % ALL_BUCKETS];
             }
             for lane in 0..LANES {
-                steps[lane] = self.steps[(above[lane] / BUCKET) as usize % ALL_BUCKETS];
-            }
-            for lane in 0..LANES {
-                bytes[lane] = (steps[lane] + above[lane] % BUCKET) / BUCKET;
+                bytes[lane] = (steps[lane] + offsets[lane]) / BUCKET;
             }
         }
         pack(&bytes, pixels);

@@ -260,7 +260,7 @@ impl<'s> TileShader<'s> {
 
     /// The colour of a triangle with one colour, or of a miss.
     #[inline(always)]
-    fn constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
+    pub(super) fn constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
         let (known, color) = self.colors[primitive as usize % COLORS];
         if known == primitive {
             color
@@ -272,10 +272,10 @@ impl<'s> TileShader<'s> {
     #[inline(never)]
     fn new_constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
         // Another triangle may have taken the cache entry of misses.
-        let color = if primitive != MISS && self.shader.is_constant() {
-            self.shader.constant_color(primitive)
+        let color = if primitive == MISS {
+            self.shader.behind(x, y)
         } else {
-            self.shader.color(x, y, &on(primitive))
+            self.shader.constant_color(primitive)
         };
         let color = srgb::encode(color);
         self.colors[primitive as usize % COLORS] = (primitive, color);

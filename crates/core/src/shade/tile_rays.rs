@@ -1,7 +1,7 @@
 //! The places of a tile's samples, and directions from them to the eye.
 
 use super::Shader;
-use super::smooth::{Rows, Vectors};
+use super::vectors::{Rows, Vectors};
 use crate::camera::{Lattice, PanoramaRays};
 use crate::num::simd::{LANES, Lanes};
 
@@ -66,6 +66,40 @@ impl TileRays {
                     *x = place as f32;
                 }
                 shader.eight_to_eye(lanes, (&x, self.row(row) as f32))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+    use glam::DVec3;
+
+    /// Adding the offset before the lane would round twice: at column 16,384 of a tile that begins below it.
+    #[test]
+    fn eight_places_are_those_of_their_columns() {
+        let plane = ImagePlane::new(20_000, 100, 0.1).expect("a good plane");
+        let placement = Placement::towards(DVec3::ZERO, DVec3::Z);
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let rect = Rect {
+            x: 16_381,
+            y: 7,
+            width: 64,
+            height: 2,
+        };
+        for sample in 0..256 {
+            let mut lattice = camera.sub_camera(rect).lattice();
+            lattice.offset = [257.0, 259.0]
+                .map(|base| (f64::from(sample) + 0.5) / base)
+                .into();
+            let rays = TileRays {
+                lattice,
+                around: None,
+            };
+            for (lane, x) in (2..).zip(rays.columns(2)) {
+                assert_eq!((x, rays.row(1)), lattice.place(lane, 1), "{sample} {lane}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Triplanar mapping, for surfaces without texture coordinates.
 
-use super::smooth::Row;
+use super::vectors::Row;
 use crate::num::simd::LANES;
 use crate::scene::{Bounds, Mesh};
 use glam::{DVec3, Vec3};

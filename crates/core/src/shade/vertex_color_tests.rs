@@ -53,13 +53,18 @@ fn color(object: Object, triangle: u32, mode: Mode, (u, v): (f32, f32)) -> [u8; 
     };
     let shader = Shader::new(&scene, &accel, camera(), shading);
     let primitive = (0..2).find(|&primitive| accel.identify(primitive) == (0, triangle));
+    // The target lies in the triangles' plane, where a pixel is a step wide.
+    let [a, b, c] = data().triangles[triangle as usize];
+    let [a, b, c] = [a, b, c].map(|corner| data().positions[corner as usize]);
+    let point = a + (b - a) * f64::from(u) + (c - a) * f64::from(v);
+    let (x, y) = (16.5 + point.x / 0.1, 8.5 - point.y / 0.1);
     let hit = PrimitiveHit {
         primitive: primitive.expect("a triangle"),
         u,
         v,
         ..PrimitiveHit::NONE
     };
-    shader.shade_pixel8(1.5, 1.5, &hit)
+    shader.shade_pixel8(x, y, &hit)
 }
 
 #[test]
@@ -104,7 +109,7 @@ fn pictures_show_what_single_pixels_do() {
             ..Shading::default()
         };
         let shader = Shader::new(&scene, &accel, camera(), shading);
-        assert_eq!(shader.detail(), Detail::Full);
+        assert_eq!(shader.detail(), Detail::Triangle);
         let rect = Rect {
             x: 0,
             y: 0,
@@ -116,7 +121,8 @@ fn pictures_show_what_single_pixels_do() {
             .map(|(x, y)| accel.cast_primitive(&camera().ray(x, y), Cull::None, Precision::Exact))
             .collect();
         let mut pixels = vec![[0; 4]; 33 * 17];
-        shader.tile().shade(rect, &hits, pixels.chunks_mut(33));
+        let rows = pixels.chunks_mut(33);
+        shader.tile().shade_primitives(rect, &hits.primitives, rows);
         let mut shown = std::collections::HashSet::new();
         for (index, pixel) in pixels.iter().enumerate() {
             let (x, y) = (index % 33, index / 33);

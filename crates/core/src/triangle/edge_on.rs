@@ -226,6 +226,26 @@ mod tests {
         assert!(sure < 20_000 && along < 20_000, "{sure} {along}");
     }
 
+    /// Planes that parallel rays run along except for roundings in double precision: what those leave undecided is
+    /// decided exactly. The truth is integer arithmetic.
+    #[test]
+    fn planes_nearly_along_the_rays_are_decided_exactly() {
+        let mut random = Random(68);
+        let mut undecided = 0;
+        for _ in 0..4000 {
+            let corners = [(); 3].map(|()| random.point().as_vec3());
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let way = (b - a) * random.signed() + (c - a) * random.signed();
+            let camera = camera(a, a + way, Projection::Orthographic);
+            let forward = camera.forward();
+            let is_along = plane_is_along(forward, corners);
+            undecided += usize::from(!is_along && plane_crosses(forward, [a, b, c]).is_none());
+            let mut edge_on = EdgeOn::new(&camera, DVec3::ZERO);
+            assert_eq!(edge_on.is(0, corners), is_along, "{corners:?} {forward}");
+        }
+        assert!(undecided > 1000, "{undecided}");
+    }
+
     #[test]
     fn triangles_at_or_behind_the_image_plane_are_decided_exactly() {
         for (frame, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {

@@ -11,7 +11,7 @@ pub(crate) mod linear;
 mod nearest;
 pub(crate) mod plane;
 #[cfg(test)]
-mod row_tests;
+pub(crate) mod row_tests;
 mod watertight;
 
 pub(crate) use nearest::Nearest;

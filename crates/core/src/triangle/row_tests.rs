@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 
 /// The point that corners are relative to, and the approximate magnitude of corners there: without any rounding, and
 /// with a rounded eye.
-pub(super) const SCENES: [(DVec3, f64); 3] = [
+pub(crate) const SCENES: [(DVec3, f64); 3] = [
     (DVec3::ZERO, 0.0),
     (DVec3::new(1e7, -0.1, 3e3), 0.0),
     (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
@@ -18,7 +18,7 @@ pub(super) const SCENES: [(DVec3, f64); 3] = [
 
 /// A triangle, and eight rows of eight rays at it: from square to nearly edge-on, from a hundred thousand times the
 /// triangle's size away to close by.
-pub(super) fn triangle_and_rays(
+pub(crate) fn triangle_and_rays(
     random: &mut Random,
     (frame, place): (DVec3, f64),
 ) -> ([Vec3; 3], Lattice) {

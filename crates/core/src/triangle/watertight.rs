@@ -351,6 +351,31 @@ mod tests {
         assert!(hit.t + hit.t_error >= furthest, "{}", hit.t_error);
     }
 
+    /// Rays in a triangle's plane except for rounding see either side of it, whatever rounded signs say. The truth is
+    /// integer arithmetic.
+    #[test]
+    fn back_faces_seen_edge_on_are_culled_exactly() {
+        let mut random = Random(64);
+        let (mut seen, mut misjudged) = (0, 0);
+        for _ in 0..20_000 {
+            let corners = [(); 3].map(|()| random.point().as_vec3());
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let origin = a + ((b - a) * random.signed() + (c - a) * random.signed()) * 3.0;
+            let target = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
+            let ray = Ray::new(origin, target - origin);
+            let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::Back, Precision::Exact);
+            let prepared = prepared.expect("a valid ray");
+            let truth = exact::hit(&ray, &prepared.placed(corners), Cull::Back, 0);
+            let mut nearest = Nearest::NONE;
+            prepared.intersect(0, |_| corners, |index| index, &mut nearest);
+            assert_eq!(nearest.is_miss(), truth.is_none(), "{ray:?} {corners:?}");
+            seen += u32::from(truth.is_some());
+            let is_culled = prepared.is_culled(&prepared.edges(corners));
+            misjudged += u32::from(truth.is_some() && is_culled);
+        }
+        assert!(seen > 100 && misjudged > 20, "{misjudged} of {seen}");
+    }
+
     /// Rays through edges and corners except for rounding: close to the eye and far from it, and with a rounded eye.
     /// The truth is integer arithmetic.
     #[test]

@@ -31,7 +31,8 @@ use normal::ToWorld;
 use own_color::Numbers;
 use range::{Double, Vector, exactly, exactly_single, minus};
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, Rect, StereoKind};
+use raycast_core::camera::{Camera, Projection, Rect, StereoKind};
+use raycast_core::glam::Vec3;
 use raycast_core::scene::{Object, Opacity};
 use raycast_core::shade::{Background, Legend, Mode, Shading, Wireframe};
 use raycast_oracle::Truth;
@@ -288,7 +289,12 @@ impl<'a> Expected<'a> {
             .corners
             .map(|corner| minus(exactly(corner.as_dvec3()), eye));
         let (u, v, t) = if truth.cosine > GRAZING {
-            let t = Single::around(truth.t, T_BOUND * ulp(truth.t));
+            // Colours take parallel rays' distances from functions whose error grows with the triangle.
+            let slack = match self.camera.projection() {
+                Projection::Orthographic => edge(triangle.corners) * 2f64.powi(-25),
+                _ => 0.0,
+            };
+            let t = Single::around(truth.t, T_BOUND * ulp(truth.t) + slack);
             let weight = |weight| Single::around(weight, UV_BOUND).max(0.0).min(1.0);
             (weight(truth.u), weight(truth.v), t)
         } else {
@@ -358,6 +364,14 @@ fn creased<'a>(stage: &'a Stage, shading: &Shading) -> Vec<Option<Creased<'a>>> 
         has_none.then(|| Creased::new(&object.mesh, shading.crease))
     });
     normals.collect()
+}
+
+/// The greatest coordinate of a triangle's edges.
+fn edge([a, b, c]: [Vec3; 3]) -> f64 {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    let edges = [b - a, c - b, a - c];
+    let longest = edges.map(|edge| edge.abs().max_element());
+    longest.into_iter().fold(0.0, f64::max)
 }
 
 /// Whether a point of the picture lies in a rectangle.

@@ -9,11 +9,11 @@ use std::path::PathBuf;
 /// `raycast bench`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Views are `medium` (the scene's bounding sphere fills the frame's height) and `close` (half as far),
-both from yaw 22, pitch 16; with --eye it is that view alone, named `given`.
+The views are `medium` (the scene's bounding sphere fills the frame's height) and `close` (half as
+far), both from yaw 22, pitch 16; with --eye only that view, named `given`.
 
-cast_ms is a frame's wall-clock time for visibility alone; frame_ms is visibility, shading and the
-picture; mrays_per_s comes from the median cast_ms.
+cast_ms is a frame's wall-clock time for visibility alone; frame_ms is that of visibility, shading
+and the picture's bytes; mrays_per_s follows from the median cast_ms.
 
 Example:
   raycast bench bunny.obj dragon.obj --frames 50 --threads 1")]
@@ -25,40 +25,39 @@ pub struct BenchArgs {
     /// of view of its own unless --eye is given
     #[arg(long, value_name = "SCENE", value_parser = <Made as std::str::FromStr>::from_str)]
     pub made: Vec<Made>,
-    /// Frames to measure a view, after one that is not
+    /// Frames to measure in each view, after one that warms up
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
     /// Columns and rows of rays
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
     pub size: (u32, u32),
-    /// Vertical field of view in degrees [default: 45, of a panorama all of it or half a turn]
+    /// Vertical field of view in degrees [default: 45; panoramas: 180, cylindrical and cubemap 90, cubemap:cross 270]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
     pub fov: Option<f64>,
     /// How rays leave the camera
     #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PROJECTIONS))]
     pub projection: Projection,
-    /// Measure the view from here alone
+    /// Measure only the view from this point
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     pub eye: Option<DVec3>,
-    /// What the given view looks at [default: the scene's centre]
+    /// The point that this view looks at [default: the scene's centre]
     #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
     pub target: Option<DVec3>,
-    /// Which way is up in the given view [default: 0,1,0]
+    /// The direction that is up in this view [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
     pub up: Option<DVec3>,
     /// What the pictures show
     #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(values::MODES))]
     pub mode: Mode,
-    /// Measure the pictures of all modes beside visibility, in turn; frame_beside_cast is the geometric mean over the
-    /// views, written_ms what writing the picture's bytes alone takes
+    /// Measure visibility and the pictures of all modes in turns; frame_beside_cast is the geometric mean over the
+    /// views of frame time over cast time, written_ms the time that writing the picture's bytes alone takes
     #[arg(long, conflicts_with_all = ["mode", "baselines"])]
     pub modes: bool,
-    /// How rays meet triangles.
+    /// How rays are cast.
     #[command(flatten)]
     pub casting: CastingArgs,
-    /// Measure obvhs's own traversals, and Embree's where the machine has it, on the same rays, frame
-    /// by frame in turn, and brute force on a sample of them; build trees in turn with Embree's, five
-    /// times each
+    /// Also measure obvhs's traversals, and Embree's if it is installed, on the same rays, frame by frame in turns, and
+    /// brute force on a sample of them; and building trees, in turns with Embree's, five times each
     #[arg(long)]
     pub baselines: bool,
     /// How files are read.

@@ -7,12 +7,12 @@ use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
 use std::str::FromStr;
 
-/// What is cut away.
+/// The clipping planes.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ClipArgs {
-    /// Cut away what lies on one side of a plane: `x:0.5` keeps x of 0.5 and more, `-x:0.5` keeps x of 0.5 and
-    /// less (so for y and z); NX,NY,NZ,D keeps the points p with N·p >= D, in the files' coordinates. Up to 8,
-    /// each given once more, in place of the scene file's; `none` for none
+    /// Clip the scene by a plane: `x:0.5` keeps x >= 0.5, `-x:0.5` keeps x <= 0.5 (y and z likewise); NX,NY,NZ,D keeps
+    /// the points p with N·p >= D, in world coordinates. Up to 8, with an option for each; they replace the scene
+    /// file's; `none` for none
     #[arg(
         long,
         value_name = "PLANE",
@@ -27,7 +27,7 @@ pub struct ClipArgs {
 pub struct ClipArg(Option<ClippingPlane>);
 
 impl ClipArgs {
-    /// The planes that were asked for, over those that a file has.
+    /// The planes of the options; without any, the scene file's.
     ///
     /// # Errors
     /// Too many planes, or none beside some.
@@ -81,7 +81,7 @@ impl FromStr for ClipArg {
     }
 }
 
-/// The values of `--clip` that read back as these planes, as far as they are enabled.
+/// The values of `--clip` that read back as the enabled ones of these planes.
 pub(super) fn words(planes: &ClippingPlanes) -> Vec<String> {
     let plane = |&ClippingPlane { normal, offset, .. }: &ClippingPlane| {
         for (axis, name) in [(DVec3::X, 'x'), (DVec3::Y, 'y'), (DVec3::Z, 'z')] {

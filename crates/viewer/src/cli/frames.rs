@@ -1,4 +1,4 @@
-//! Which pictures of an animation are made.
+//! Options for the frames of an animation, and the names of their files.
 
 use clap::Args;
 use std::ffi::OsString;
@@ -10,18 +10,18 @@ use std::str::FromStr;
 pub struct FrameRange {
     /// The first frame.
     pub first: u32,
-    /// The last, which is made, too.
+    /// The last frame, included.
     pub last: u32,
 }
 
 impl FrameRange {
-    /// How many there are.
+    /// The number of frames.
     pub fn count(&self) -> u32 {
         // Numbers are at most 999,999.
         self.last - self.first + 1
     }
 
-    /// Their numbers.
+    /// The frames' numbers, ascending.
     pub fn numbers(&self) -> std::ops::RangeInclusive<u32> {
         self.first..=self.last
     }
@@ -40,24 +40,24 @@ impl FromStr for FrameRange {
     }
 }
 
-/// An animation's pictures.
+/// The frames of an animation.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Animation")]
 pub struct FrameArgs {
-    /// Render these frames, both ends included, of --turntable or of the scene file's keyframes; to an image
-    /// each, -o out-%05d.png, or all to one PNG, -o out.png
+    /// Render these frames, both ends included, of --turntable or of the scene file's keyframes: each to an image of
+    /// its own, -o out-%05d.png, or all to one animated PNG, -o out.png
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
-    /// Turn once around what the camera looks at in so many frames [default frames: all]
+    /// Turn the camera once around its target in this many frames [default frames: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999_999))]
     pub turntable: Option<u32>,
-    /// Frames a second of a PNG of several [default: 25]
+    /// Frames per second of an animated PNG [default: 25]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub rate: Option<u16>,
 }
 
 impl FrameArgs {
-    /// The frames that were asked for, if any were.
+    /// The requested frames; `None` for a still picture.
     pub fn range(&self) -> Option<FrameRange> {
         let turn = |count: u32| FrameRange {
             first: 0,
@@ -67,8 +67,8 @@ impl FrameArgs {
     }
 }
 
-/// The file of a frame: in a file's name `%d` stands for its number, and `%05d` for its number with zeros
-/// before it, five digits at least. `None` where the name has no such place, or several.
+/// The file of a frame: in the file's name `%d` stands for its number, and `%05d` for its number with at least five
+/// digits. `None` where the name has no such placeholder, or several.
 pub fn frame_path(pattern: &Path, frame: u32) -> Option<PathBuf> {
     let name = pattern.file_name()?.to_str()?;
     let (before, after) = name.split_once('%')?;

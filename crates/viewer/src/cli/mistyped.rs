@@ -1,4 +1,4 @@
-//! A first word that is no command and no file.
+//! A first argument that is neither a command nor a file: probably a mistyped command.
 
 use super::Cli;
 use crate::failure::Failure;
@@ -6,9 +6,9 @@ use clap::CommandFactory;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// What is wrong with a command line's first word, if it must be a command and is none: it is written
-/// as one (letters, and hyphens between them), and no file has that name. Without this it would be taken for a file, and its
-/// options for the window's.
+/// The failure of a first argument that looks like a command (letters and hyphens) but is none, and is no file either.
+/// Without this check it would be taken for a file to open, and its options would be refused as those of the window.
+/// `None` for anything else.
 pub fn mistyped(word: &OsStr) -> Option<Failure> {
     let is_there = Path::new(word).exists();
     let word = word.to_str()?;
@@ -18,7 +18,7 @@ pub fn mistyped(word: &OsStr) -> Option<Failure> {
         return None;
     }
     let mut cli = Cli::command();
-    // With `help`, which is added here.
+    // Adds `help`.
     cli.build();
     let commands: Vec<_> = cli.get_subcommands().map(|c| c.get_name()).collect();
     if commands.contains(&word) {
@@ -31,8 +31,8 @@ pub fn mistyped(word: &OsStr) -> Option<Failure> {
     )))
 }
 
-/// The name that takes the fewest slips of the keyboard to become `word`, where that is no more than one
-/// for every three letters, rounded up.
+/// The name nearest to `word` by the Damerau-Levenshtein distance; `None` if that is more than a third of the longer
+/// one's letters, rounded up.
 fn nearest<'a>(word: &str, names: &[&'a str]) -> Option<&'a str> {
     names
         .iter()

@@ -6,15 +6,16 @@ use std::path::PathBuf;
 /// `raycast plan`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-PLAN is a text of one command line a job, in any order, each for itself; a job that is run again leaves
-the same bytes, and its output is there whole or not at all. What follows `--` is given to every render.
-PLAN.stitch has a line a picture, to be run once all of PLAN is done: it stitches the picture, if it is in
-tiles, and verifies it. Beside them lie PLAN.slurm, which submits both as job arrays (`sh PLAN.slurm`), and
-PLAN.yaml and PLAN.stitch.yaml, Indexed Jobs for Kubernetes whose volume and image are to be filled in.
-Fragments are in the folder PLAN.parts. Folders and files are named as they are on this machine. A plan that is
-there is replaced with all of these; where it is not, none of them may be there.
+PLAN is a text file with a command line for each job. Jobs are independent and may run in any
+order; a job that runs again writes the same bytes, and its output appears whole or not at all.
+Options after `--` go to every render. PLAN.stitch has a line for each picture, to be run when all
+of PLAN is done: it stitches the picture, if it is in tiles, and verifies it. PLAN.slurm submits
+both as job arrays (`sh PLAN.slurm`); PLAN.yaml and PLAN.stitch.yaml are Indexed Jobs for
+Kubernetes, whose volume and image are to be filled in. Fragments are in the folder PLAN.parts.
+Paths are absolute paths of this machine. An existing plan is replaced with all these files;
+without one, none of them may exist.
 
-A large mesh is best prepared once for all jobs (`raycast prepare`): each then starts at once.
+A large mesh is best prepared once for all jobs (`raycast prepare`); each then starts at once.
 
 Examples:
   raycast plan bunny.obj --turntable 100 -o turn -- --size 1920x1080 --samples 16
@@ -28,23 +29,23 @@ pub struct PlanArgs {
     /// The plan to write; other files are named after it
     #[arg(short, long, value_name = "PLAN")]
     pub output: PathBuf,
-    /// The pictures: with frames a name that tells where their number stands, as out-%05d.png
-    /// [default: PLAN.png or PLAN-%05d.png]
+    /// The pictures' file name; with frames it has a placeholder for their number, as out-%05d.png [default: PLAN.png
+    /// or PLAN-%05d.png]
     #[arg(long, value_name = "FILE")]
     pub pictures: Option<PathBuf>,
-    /// These frames, both ends included, of --turntable or of the scene file's keyframes
+    /// Render these frames, both ends included, of --turntable or of the scene file's keyframes
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
-    /// Turn once around what the camera looks at in so many frames [default frames: all]
+    /// Turn the camera once around its target in this many frames [default frames: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999_999))]
     pub turntable: Option<u32>,
-    /// A job for each sub-camera of a grid of so many, in place of one for the whole picture
+    /// A job for each sub-camera of a grid of this many, instead of one for the whole picture
     #[arg(long, value_name = "CxR", value_parser = values::counts)]
     pub tiles: Option<(u32, u32)>,
     /// The program that jobs run [default: this one]
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
-    /// Options of `raycast render`, but files, output, tiles and frames
+    /// Options of `raycast render`, except files, output, tiles and frames
     #[arg(last = true, value_name = "OPTIONS")]
     pub render: Vec<OsString>,
 }

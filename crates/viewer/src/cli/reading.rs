@@ -4,26 +4,25 @@ use raycast_core::formats::Limits;
 use raycast_core::scene::UpAxis;
 use std::str::FromStr;
 
-/// How much reading files may take, and what is followed.
+/// How files are read: limits, files that meshes name, the up axis.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Reading")]
 pub struct ReadingArgs {
-    /// Raise or lower a limit of reading: `bytes` held at one time [default: 4G], `pixels` of an
-    /// image [default: 256M], `triangles` of the scene [default: 128M]; K, M, G are powers of 1024
+    /// Set a limit of reading: `bytes` in memory at one time [default: 4G], `pixels` of an image [default: 256M],
+    /// `triangles` of the scene [default: 128M]; K, M, G are powers of 1024
     #[arg(long = "limit", value_name = "NAME=N")]
     pub limits: Vec<LimitArg>,
-    /// Follow a mesh's material libraries and textures anywhere, not only in its folder and the one
-    /// above
+    /// Read a mesh's material libraries and textures from any folder, not only its own and the one above
     #[arg(long)]
     pub follow_anywhere: bool,
-    /// Which axis is up in mesh files that do not say (scene files say it for their objects): z turns
-    /// (x, y, z) to (x, z, -y) [default: y]
+    /// The up axis of mesh files that do not say it (a scene file says it for its objects): z rotates (x, y, z) to (x,
+    /// z, -y) [default: y]
     #[arg(long, value_name = "AXIS", value_parser = values::named(values::UP_AXES))]
     pub up_axis: Option<UpAxis>,
 }
 
 impl ReadingArgs {
-    /// The limits that were asked for, over the defaults.
+    /// The defaults with the requested limits.
     pub fn limits(&self) -> Limits {
         let mut limits = Limits {
             follow_anywhere: self.follow_anywhere,
@@ -50,7 +49,7 @@ enum LimitKind {
     Triangles,
 }
 
-/// `--limit`: which, and how much it allows.
+/// `--limit`: the limit and its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LimitArg {
     kind: LimitKind,

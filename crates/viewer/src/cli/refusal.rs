@@ -3,8 +3,8 @@ use crate::output;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Says on standard error what is wrong with a command line, in one line; help and version go to
-/// standard output in full. Returns the exit status.
+/// Reports what is wrong with a command line in one line on standard error; prints help and version to standard output.
+/// Returns the exit status.
 pub fn refuse(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
         let printed = error.print().and_then(|()| std::io::stdout().flush());
@@ -16,7 +16,7 @@ pub fn refuse(error: &clap::Error) -> ExitCode {
     Failure::usage(one_line(&error.to_string())).tell()
 }
 
-/// clap's message without its usage: `error: …`, details on lines of their own, then hints.
+/// clap's message in one line: without `error:`, usage and hints.
 pub(super) fn one_line(message: &str) -> String {
     let told: Vec<_> = message
         .lines()

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 /// `raycast section`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The drawing has the scene's units, and the axes of whoever stands where the plane cuts away: y is up, or
-for a plane that lies flat, -z from above and z from below. Which corners of a triangle are cut away is decided
-exactly: the outline of a closed mesh is of closed lines. An .svg has a path for each object, filled; a
-.dxf (release 12) a polyline for each line, and a layer for each object.
+The drawing is in scene units, seen from the side that the plane cuts away: y is up; for a
+horizontal plane -z is up seen from above, and z from below. Which corners of a triangle are cut
+away is decided exactly, so the outline of a closed mesh consists of closed lines. An .svg has a
+filled path for each object; a .dxf (release 12) has a polyline for each line and a layer for each
+object.
 
 Examples:
   raycast section bunny.obj --clip x:0 -o bunny.svg
@@ -20,7 +21,7 @@ pub struct SectionArgs {
     /// The drawing to write: .svg or .dxf
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Through where: one plane.
+    /// The plane of the section.
     #[command(flatten)]
     pub clip: ClipArgs,
     /// How files are read.

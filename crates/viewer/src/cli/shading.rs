@@ -4,15 +4,15 @@ use raycast_core::scene::{Color, ColorMap, Crop, Wrap};
 use raycast_core::shade::{Background, EdgeKinds, Filter, LightSet, Mode};
 use std::path::PathBuf;
 
-/// In which colours a picture is made.
+/// How surfaces are shaded.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Shading")]
 pub struct ShadingArgs {
     /// What the picture shows [default: smooth]
     #[arg(long, value_name = "MODE", value_parser = values::named(values::MODES))]
     pub mode: Option<Mode>,
-    /// Draw triangles' edges over the mode, so many pixels wide [default width: 1]; or `none`, also where a scene
-    /// file has them
+    /// Draw edges over the mode, with lines this many pixels wide [default width: 1]; `none` for no lines, whatever the
+    /// scene file says
     #[arg(
         long,
         value_name = "WIDTH",
@@ -22,14 +22,15 @@ pub struct ShadingArgs {
         value_parser = values::wireframe
     )]
     pub wireframe: Option<WireframeArg>,
-    /// The color of these edges: `#rrggbb` or `#rgb`
+    /// The color of these lines: `#rrggbb` or `#rgb`
     #[arg(long, value_name = "COLOR", requires = "wireframe")]
     pub wireframe_color: Option<Color>,
-    /// Which edges have lines: `all`, or `polygon` (of the file's polygons), `feature[:DEGREES]` (where the surface
-    /// turns by so much or more; 30), `silhouette`, `boundary`, `non-manifold` with commas between [default: all]
+    /// The edges to draw: `all`, or some of `polygon` (edges of the file's polygons), `feature[:DEGREES]` (where the
+    /// surface turns by at least this angle; 30), `silhouette`, `boundary`, `non-manifold`, separated by commas
+    /// [default: all]
     #[arg(long, value_name = "KINDS")]
     pub wireframe_edges: Option<EdgeKinds>,
-    /// How strongly lines show through what hides them: 0 (not at all) to 1 [default: 0; 0.25 without a number]
+    /// How strongly hidden lines show: 0 (not at all) to 1 (as visible ones) [default: 0; 0.25 without a number]
     #[arg(
         long,
         value_name = "0..1",
@@ -39,10 +40,11 @@ pub struct ShadingArgs {
         value_parser = values::hidden_lines
     )]
     pub wireframe_hidden: Option<f32>,
-    /// The color of triangles that are seen from behind, in place of their own: `#rrggbb`, `#rgb` or `none`
+    /// The color of back faces, in place of their own: `#rrggbb`, `#rgb` or `none`
     #[arg(long, value_name = "COLOR", value_parser = values::back_faces)]
     pub back_faces: Option<BackFacesArg>,
-    /// Lines on a level plane at the scene's lowest point, or at a height; `none` for none although a scene file has them
+    /// Draw a grid on a horizontal plane at the scene's lowest point, or at a height; `none` for no grid, whatever the
+    /// scene file says
     #[arg(
         long,
         value_name = "HEIGHT",
@@ -52,10 +54,10 @@ pub struct ShadingArgs {
         value_parser = values::ground
     )]
     pub ground: Option<GroundArg>,
-    /// In `--mode x-ray`, how much of what lies behind it a surface covers that is seen from above [default: 0.2]
+    /// In `--mode x-ray`, the opacity of surfaces that face the eye; at grazing angles it is higher [default: 0.2]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::opacity)]
     pub x_ray_opacity: Option<f32>,
-    /// An image for the surface of every object
+    /// A texture image for every object
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
     /// The part of the texture's image to use, in its pixels from the top left
@@ -65,45 +67,44 @@ pub struct ShadingArgs {
     /// `clamp`, `border` (the object's own colours) or `border:#rrggbb` [default: repeat]
     #[arg(long, value_name = "KIND[,KIND]", requires = "texture", value_parser = values::wrap)]
     pub wrap: Option<[Wrap; 2]>,
-    /// How surfaces find their place in the texture.
+    /// How texture coordinates are assigned.
     #[command(flatten)]
     pub projection: TextureProjectionArgs,
-    /// From the object's colours (0) to its texture (1) [default: 1]
+    /// Blend from the object's colours (0) to its texture (1) [default: 1]
     #[arg(long, value_name = "0..1", allow_hyphen_values = true, value_parser = values::blend)]
     pub blend: Option<f32>,
-    /// The file's number that says how much of the texture shows, 0 to 1, times `--blend`: `raycast info` lists them
+    /// A scalar of the file, 0 to 1, that `--blend` is multiplied by at each point; `raycast info` lists the scalars
     #[arg(long, value_name = "SCALAR")]
     pub blend_by: Option<String>,
-    /// How the texture is read between its texels [default: bilinear]
+    /// The texture filter [default: bilinear]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::FILTERS))]
     pub filter: Option<Filter>,
-    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`;
-    /// or a number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point),
-    /// `curvature[:gaussian]` or `scalar:NAME` (the file's; `raycast info` lists them) [default: the file's own,
-    /// or one a triangle where it has none]
+    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`; or a
+    /// number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point), `curvature[:gaussian]` or
+    /// `scalar:NAME` (the file's; `raycast info` lists them) [default: the scene file's, file]
     #[arg(long, value_name = "COLOR", value_parser = values::scene_color)]
     pub color: Option<SceneColor>,
-    /// The colour of triangles to which neither their file nor `--color` gives one; `#c8ccd2` where this is not given
+    /// The colour of triangles to which neither their file nor `--color` gives one (`#c8ccd2` by default)
     #[arg(long, value_name = "COLOR")]
     pub plain_color: Option<Color>,
-    /// Smooth the edges of meshes without normals, where two triangles are at most so many degrees apart; 0 leaves every
-    /// triangle flat [default: 0]
+    /// Give meshes without normals smooth ones across edges where the surface turns by at most this angle; 0 leaves
+    /// every triangle flat [default: 0]
     #[arg(long, value_name = "DEGREES", value_parser = values::crease)]
     pub crease: Option<f32>,
-    /// Where light comes from; it moves with the camera [default: soft]
+    /// The lights, which move with the camera [default: soft]
     #[arg(long, value_name = "KIND", value_parser = values::named(values::LIGHTS))]
     pub lights: Option<LightSet>,
-    /// The colours of numbers, from low to high; with it, or either of the next two, `--mode depth` is in these
-    /// colours instead of greys, over the distances seen [default: viridis]
+    /// The colour map of numbers, from low to high; with it, or either of the next two, `--mode depth` maps the visible
+    /// depths to its colours instead of greys [default: viridis]
     #[arg(long, value_name = "MAP", value_parser = values::named(values::COLOR_MAPS))]
     pub color_map: Option<ColorMap>,
-    /// The numbers at the map's ends [default: fitted to what there is]
+    /// The numbers at the map's ends [default: fitted to the values]
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = values::color_range)]
     pub color_range: Option<[f64; 2]>,
-    /// Draw what the colours stand for into the picture
+    /// Draw the colour map's legend into the picture
     #[arg(long)]
     pub legend: bool,
-    /// What lies behind: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
+    /// The background: `#top,#bottom`, `#rrggbb`, `#rgb` or `transparent`
     #[arg(long, value_name = "COLORS", value_parser = values::background)]
     pub background: Option<Background>,
 }

@@ -1,6 +1,6 @@
-//! Words of a command line as shells take them.
+//! Quoting arguments for a shell.
 
-/// A word for the shell of this system: of Windows in double quotes, elsewhere as [`quoted_for_posix`].
+/// An argument, quoted for this system's shell: on Windows in double quotes, elsewhere as [`quoted_for_posix`].
 pub(super) fn quoted(word: &str) -> String {
     match cfg!(windows) && !is_plain(word) {
         true => format!("\"{word}\""),
@@ -8,7 +8,7 @@ pub(super) fn quoted(word: &str) -> String {
     }
 }
 
-/// A word that a POSIX shell takes as it is: in single quotes, unless it is plain.
+/// An argument, quoted for a POSIX shell: in single quotes, unless it needs none.
 pub fn quoted_for_posix(word: &str) -> String {
     match is_plain(word) {
         true => word.to_owned(),
@@ -16,7 +16,7 @@ pub fn quoted_for_posix(word: &str) -> String {
     }
 }
 
-/// Whether every shell takes a word as it is.
+/// Whether an argument needs no quotes in any shell.
 fn is_plain(word: &str) -> bool {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=+@%".contains(c);
     !word.is_empty() && word.chars().all(is_plain)

@@ -19,7 +19,7 @@ pub struct TextureMapArgs {
     /// The texture's image
     #[arg(long, value_name = "IMAGE")]
     pub texture: PathBuf,
-    /// The part of it that is used, in its pixels from the top left: it is outlined
+    /// The part of the image to use, in its pixels from the top left; it is outlined
     #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop)]
     pub crop: Option<Crop>,
     /// Draw this triangle of the object alone, filled [default: all]
@@ -28,13 +28,13 @@ pub struct TextureMapArgs {
     /// The object whose triangles are drawn, from 0 [default: all; 0 with --triangle]
     #[arg(long, value_name = "N", requires = "files")]
     pub object: Option<u32>,
-    /// Lines' width in pixels
+    /// Width of lines in pixels
     #[arg(long, value_name = "WIDTH", default_value = "1.5", value_parser = values::line_width)]
     pub line_width: f32,
     /// As `raycast render --wrap`
     #[arg(long, value_name = "KIND[,KIND]", value_parser = values::wrap)]
     pub wrap: Option<[Wrap; 2]>,
-    /// How surfaces find their place in the texture.
+    /// How texture coordinates are assigned.
     #[command(flatten)]
     pub projection: TextureProjectionArgs,
     /// How files are read.
@@ -43,7 +43,7 @@ pub struct TextureMapArgs {
 }
 
 impl TextureMapArgs {
-    /// The options that `raycast render` would be given.
+    /// The same options as those of `raycast render`.
     pub fn shading(&self) -> ShadingArgs {
         ShadingArgs {
             texture: Some(self.texture.clone()),

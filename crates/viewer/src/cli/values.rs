@@ -1,4 +1,4 @@
-//! From the words of a command line to values.
+//! Parsers for the values of options. Their errors say in words what was expected.
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use raycast_core::Cull;
@@ -13,21 +13,21 @@ use raycast_core::scene::{Color, ColorMap, ColorRule, Crop, TextureProjection, U
 use raycast_core::shade::{Background, Filter, Ground, GroundError, LightSet, Mode};
 use std::str::FromStr;
 
-/// `--orbit`: degrees, and scene units where they were given.
+/// `--orbit`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitArg {
     /// Degrees about +Y.
     pub yaw: f64,
     /// Degrees above the horizon.
     pub pitch: f64,
-    /// From the centre to the eye; `None` for as far as the whole scene needs.
+    /// The distance from the centre to the eye in scene units; `None` for the one at which the whole scene is in view.
     pub distance: Option<f64>,
 }
 
 /// `--color`: the rule for every object.
 pub type SceneColor = ColorRule;
 
-/// Names of a kind of thing, in the order that help lists them.
+/// Names and their values, in the order in which help lists them.
 pub(super) type Names<T> = &'static [(&'static str, T)];
 
 pub(super) const PROJECTIONS: Names<Projection> = &[
@@ -51,7 +51,7 @@ pub(super) const PROJECTIONS: Names<Projection> = &[
     ("cubemap:cross", Projection::Panoramic(Panorama::CubeCross)),
 ];
 
-/// `--stereo`: for two eyes, or for one whatever a scene file says.
+/// `--stereo`; `None` is a picture for one eye, whatever the scene file says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StereoArg(pub Option<StereoKind>);
 
@@ -115,7 +115,7 @@ pub(super) const UP_AXES: Names<UpAxis> = &[("y", UpAxis::Y), ("z", UpAxis::Z)];
 
 pub(super) const CULLS: Names<Cull> = &[("none", Cull::None), ("back", Cull::Back)];
 
-/// Reads one of `names`.
+/// Parses one of `names`.
 pub(super) fn named<T: Copy + Send + Sync + 'static>(
     names: Names<T>,
 ) -> impl TypedValueParser<Value = T> {
@@ -128,21 +128,21 @@ pub(super) fn named<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// Reads how much of what lies behind it a surface covers.
+/// Parses an x-ray opacity.
 pub(super) fn opacity(text: &str) -> Result<f32, String> {
     ranges::opacity(number(text)?).map_err(|error| error.to_string())
 }
 
-/// `--back-faces`: their colour, or none although a scene file has one.
+/// `--back-faces`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BackFacesArg {
-    /// As in front.
+    /// The same colours as in front, whatever the scene file says.
     None,
-    /// In a colour of their own.
+    /// This colour.
     Color(Color),
 }
 
-/// Reads `--back-faces`.
+/// Parses `--back-faces`.
 pub(super) fn back_faces(text: &str) -> Result<BackFacesArg, String> {
     match text {
         "none" => Ok(BackFacesArg::None),
@@ -153,16 +153,16 @@ pub(super) fn back_faces(text: &str) -> Result<BackFacesArg, String> {
     }
 }
 
-/// `--ground`: where it lies, or none although a scene file has one.
+/// `--ground`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroundArg {
-    /// None.
+    /// No grid, whatever the scene file says.
     None,
-    /// At this height.
+    /// A grid there.
     Some(Ground),
 }
 
-/// Reads `--ground`.
+/// Parses `--ground`.
 pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
     match text {
         "none" => Ok(GroundArg::None),
@@ -176,19 +176,19 @@ pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
     }
 }
 
-/// Reads a count of workers.
+/// Parses a count of workers.
 pub(super) fn threads() -> RangedI64ValueParser<u16> {
     clap::value_parser!(u16).range(0..=256)
 }
 
-/// Reads a picture's size.
+/// Parses a picture's size.
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let (columns, rows) = by(text, "a size as WIDTHxHEIGHT")?;
     ImagePlane::new(columns, rows, 1.0).map_err(|error| error.to_string())?;
     Ok((columns, rows))
 }
 
-/// Reads how far a frame is off the view axis.
+/// Parses a shift of the frame off the view axis, in heights of the frame.
 pub(super) fn shift(text: &str) -> Result<[f64; 2], String> {
     let parts = text.split(',').map(|part| number(part.trim()));
     let parts = parts.collect::<Result<Vec<f64>, _>>()?;
@@ -198,22 +198,22 @@ pub(super) fn shift(text: &str) -> Result<[f64; 2], String> {
     ranges::shift(shift).map_err(|error| error.to_string())
 }
 
-/// Reads a lens's coefficients.
+/// Parses a lens's coefficients.
 pub(super) fn lens(text: &str) -> Result<BrownConrady, String> {
     text.parse().map_err(|error: LensError| error.to_string())
 }
 
-/// Reads the distance between the eyes of a stereo picture.
+/// Parses the distance between the eyes of a stereo picture.
 pub(super) fn eye_distance(text: &str) -> Result<f64, String> {
     ranges::eye_distance(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads the distance at which the views of a stereo pair coincide.
+/// Parses the distance at which the views of a stereo pair coincide.
 pub(super) fn convergence(text: &str) -> Result<f64, String> {
     ranges::convergence(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a grid's counts.
+/// Parses a grid's counts of columns and rows, at least 1.
 pub(super) fn counts(text: &str) -> Result<(u32, u32), String> {
     match by(text, "a grid as COLUMNSxROWS")? {
         (0, _) | (_, 0) => Err("a grid needs at least one column and one row".to_owned()),
@@ -221,13 +221,13 @@ pub(super) fn counts(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
-/// Reads a cell of a grid.
+/// Parses a column and row of a grid, from 0.
 pub(super) fn cell(text: &str) -> Result<(u32, u32), String> {
     let [column, row] = list(text, "a sub-camera as COLUMN,ROW")?;
     Ok((column, row))
 }
 
-/// Reads a point or a direction.
+/// Parses a point or a direction.
 pub(super) fn point(text: &str) -> Result<DVec3, String> {
     let point = DVec3::from_array(list(text, "three numbers as X,Y,Z")?);
     if point.is_finite() {
@@ -237,7 +237,7 @@ pub(super) fn point(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// Reads where a camera stands, what it looks at, and perhaps what is up.
+/// Parses a camera's eye, target and optional up direction.
 pub(super) fn placement(text: &str) -> Result<Placement, String> {
     let points: Vec<_> = text.split('/').collect();
     let placement = match points[..] {
@@ -253,14 +253,14 @@ pub(super) fn placement(text: &str) -> Result<Placement, String> {
     Ok(placement)
 }
 
-/// Reads the distance between rays.
+/// Parses the distance between rays.
 pub(super) fn step(text: &str) -> Result<f64, String> {
     let step = number(text)?;
     check_step(step).map_err(|error| error.to_string())?;
     Ok(step)
 }
 
-/// Reads a field of view in degrees: one that some projection can have.
+/// Parses a field of view in degrees that some projection can have: at most 360.
 pub(super) fn fov(text: &str) -> Result<f64, String> {
     let degrees = number(text)?;
     if (ranges::FOV_END..=360.0).contains(&degrees) {
@@ -269,22 +269,22 @@ pub(super) fn fov(text: &str) -> Result<f64, String> {
     planar_fov(text)
 }
 
-/// Reads a field of view in degrees of a picture that is a plane.
+/// Parses a planar picture's field of view in degrees.
 pub(super) fn planar_fov(text: &str) -> Result<f64, String> {
     ranges::fov(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a count of samples.
+/// Parses a count of samples.
 pub(super) fn samples(text: &str) -> Result<u32, String> {
     ranges::samples(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a number of any size.
+/// Parses a number of any size.
 pub(super) fn number<T: FromStr>(text: &str) -> Result<T, String> {
     text.parse().map_err(|_| "expected a number".to_owned())
 }
 
-/// Reads yaw, pitch and perhaps a distance.
+/// Parses yaw, pitch and an optional distance.
 pub(super) fn orbit(text: &str) -> Result<OrbitArg, String> {
     const EXPECTED: &str = "YAW,PITCH or YAW,PITCH,DISTANCE";
     let (yaw, pitch, distance) = match text.split(',').count() {
@@ -310,16 +310,16 @@ pub(super) fn orbit(text: &str) -> Result<OrbitArg, String> {
     })
 }
 
-/// `--wireframe`: lines over the mode, or none although a scene file has them.
+/// `--wireframe`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WireframeArg {
-    /// None.
+    /// No lines, whatever the scene file says.
     None,
-    /// So many pixels wide.
+    /// Lines of this width in pixels.
     Width(f32),
 }
 
-/// Reads a line's width in pixels, or `none`.
+/// Parses a line's width in pixels, or `none`.
 pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
     if text == "none" {
         return Ok(WireframeArg::None);
@@ -329,27 +329,27 @@ pub(super) fn wireframe(text: &str) -> Result<WireframeArg, String> {
     Ok(WireframeArg::Width(width))
 }
 
-/// Reads how strongly hidden lines show.
+/// Parses how strongly hidden lines show, 0 to 1.
 pub(super) fn hidden_lines(text: &str) -> Result<f32, String> {
     ranges::hidden_lines(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a line's width in pixels.
+/// Parses a line's width in pixels.
 pub(super) fn line_width(text: &str) -> Result<f32, String> {
     ranges::line_width(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a share.
+/// Parses a blend factor, 0 to 1.
 pub(super) fn blend(text: &str) -> Result<f32, String> {
     ranges::blend(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a crease angle in degrees.
+/// Parses a crease angle in degrees.
 pub(super) fn crease(text: &str) -> Result<f32, String> {
     ranges::crease(number(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a part of an image.
+/// Parses a rectangle of an image, in pixels.
 pub(super) fn crop(text: &str) -> Result<Crop, String> {
     let [x, y, width, height] = list(text, "four whole numbers as X,Y,WIDTH,HEIGHT")?;
     if width == 0 || height == 0 {
@@ -363,13 +363,13 @@ pub(super) fn crop(text: &str) -> Result<Crop, String> {
     })
 }
 
-/// Reads what a texture shows beyond its image: one word for both axes, or two.
+/// Parses wrap modes: one for both axes, or two.
 pub(super) fn wrap(text: &str) -> Result<[Wrap; 2], String> {
     let (u, v) = text.split_once(',').unwrap_or((text, text));
     Ok([u.parse()?, v.parse()?])
 }
 
-/// Reads a width and a height in scene units.
+/// Parses a width and a height in scene units.
 pub(super) fn extent(text: &str) -> Result<DVec2, String> {
     let extent = DVec2::from_array(list(text, "two numbers as WIDTH,HEIGHT")?);
     if extent.is_finite() && extent.min_element() > 0.0 {
@@ -379,17 +379,17 @@ pub(super) fn extent(text: &str) -> Result<DVec2, String> {
     }
 }
 
-/// Reads a colour rule.
+/// Parses a colour rule.
 pub(super) fn scene_color(text: &str) -> Result<SceneColor, String> {
     text.parse()
 }
 
-/// Reads the ends of a colour scale.
+/// Parses the numbers at a colour scale's ends.
 pub(super) fn color_range(text: &str) -> Result<[f64; 2], String> {
     ranges::color_range(list(text, "two numbers as LOW,HIGH")?).map_err(|error| error.to_string())
 }
 
-/// Reads what lies behind everything.
+/// Parses a background.
 pub(super) fn background(text: &str) -> Result<Background, String> {
     if text == "transparent" {
         return Ok(Background::Transparent);
@@ -402,14 +402,14 @@ pub(super) fn background(text: &str) -> Result<Background, String> {
     Ok(Background::Gradient(color(top)?, color(bottom)?))
 }
 
-/// Reads two whole numbers with an `x` between them.
+/// Parses two whole numbers separated by `x`.
 fn by(text: &str, expected: &str) -> Result<(u32, u32), String> {
     text.split_once(['x', 'X'])
         .and_then(|(left, right)| Some((left.parse().ok()?, right.parse().ok()?)))
         .ok_or_else(|| format!("expected {expected}"))
 }
 
-/// Reads `N` values with commas between them.
+/// Parses `N` values separated by commas.
 pub(super) fn list<T: FromStr, const N: usize>(
     text: &str,
     expected: &str,

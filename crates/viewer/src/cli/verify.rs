@@ -6,17 +6,18 @@ use std::path::PathBuf;
 /// `raycast verify`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A third of the checks goes to pixels where an object ends, a third to those where triangles meet, the
-rest to any. Each asks rational arithmetic, which rounds nothing, what the pixel's ray meets first; it
-must be the triangle that the picture tells, at the distance that it tells (4 units in the last place,
-where the ray does not graze the triangle). Normal, texture coordinates and colour are worked out from
-that hit once more, on a path of their own, and must be the picture's but for what rounding can make of
-them; of several samples each is cast again. A PNG tells colours alone. How many pixels each channel was
-checked at is told; lines are not checked. The exit status is 1 if any pixel is wrong.
+A third of the checks are pixels at the outlines of objects, a third pixels at edges between
+triangles, the rest any pixels. For each, rational arithmetic, which rounds nothing, finds the
+closest hit of the pixel's ray. The picture must have that triangle and distance (to 4 units in
+the last place, where the ray does not graze the triangle). Normal, texture coordinates and colour
+are computed from that hit independently, and must agree within rounding; with several samples
+each is cast again. A PNG has colours alone. Colours under lines are not checked. The number of
+pixels checked is printed for each channel. The exit status is 1 if any pixel is wrong.
 
-A picture tells what it was made of: camera, samples and shading need not be given, and files that make
-another scene are refused. Give --texture, --crop and --color as they were given to `raycast render`. Of
-a picture without such a recipe, give all as it was given there; the size is the image's own.
+A picture holds its recipe: camera, samples and shading need not be given, and files that make
+another scene are refused. Give --texture, --crop and --color as they were given to `raycast
+render`. For a picture without a recipe give all options as they were given there; the size is the
+image's.
 
 Examples:
   raycast verify bunny.obj
@@ -24,26 +25,26 @@ Examples:
   raycast verify bunny.exr bunny.obj --checks 100000
   raycast verify bunny.exr bunny.obj --all")]
 pub struct VerifyArgs {
-    /// The image, an .exr or .png as `raycast render` writes it, if one is there; then the meshes or
-    /// scene files that it shows, which are rendered if there is none
+    /// The image to check, an .exr or .png that `raycast render` wrote, and the meshes or scene files that it shows;
+    /// without an image the files are rendered, and that is checked
     #[arg(required = true, value_name = "[IMAGE] FILES")]
     pub files: Vec<PathBuf>,
-    /// Pixels to check, or all if there are no more
+    /// The number of pixels to check; all if there are fewer
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub checks: u32,
     /// Check every pixel
     #[arg(long, conflicts_with = "checks")]
     pub all: bool,
-    /// Which pixels are drawn: the same number draws the same ones
+    /// The seed of the random choice of pixels
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Where from.
+    /// The camera.
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// In which colours.
+    /// The shading.
     #[command(flatten)]
     pub shading: ShadingArgs,
-    /// Rays a pixel, 1 to 4096 [default: the recipe's, else 1]
+    /// Rays per pixel, 1 to 4096 [default: the recipe's, else 1]
     #[arg(
         long,
         value_name = "N",
@@ -51,7 +52,7 @@ pub struct VerifyArgs {
         value_parser = values::samples
     )]
     pub samples: Option<u32>,
-    /// How samples are weighed by their place; wider than a pixel but for a box [default: the recipe's, else box]
+    /// The pixel's reconstruction filter; all but box are wider than a pixel [default: the recipe's, else box]
     #[arg(
         long,
         value_name = "KIND",
@@ -59,7 +60,7 @@ pub struct VerifyArgs {
         value_parser = values::named(values::PIXEL_FILTERS)
     )]
     pub pixel_filter: Option<PixelFilter>,
-    /// How rays meet triangles.
+    /// How rays are cast.
     #[command(flatten)]
     pub casting: CastingArgs,
     /// How files are read.

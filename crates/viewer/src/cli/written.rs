@@ -1,4 +1,4 @@
-//! A command line that makes a picture: written so that it reads back as the same.
+//! Writing views and cameras as options of `raycast render`, and reading cameras back.
 
 use super::clip;
 use super::shell::quoted;
@@ -14,12 +14,12 @@ use raycast_core::scene::{Scene, UpAxis};
 use raycast_core::shade::{Background, Mode};
 use std::path::PathBuf;
 
-/// `raycast render` with all that decides the picture's bytes, whatever a scene file among `files` says of camera
-/// and shading; but for how textures are projected where an object has a projection of its own, since the option is
-/// for all objects: the files' shading must then say it.
+/// The `raycast render` command that gives a view's bytes, whatever camera and shading a scene file among `files` has.
+/// Exception: where an object has a texture projection of its own, `--texture-projection` is left out, since it would
+/// apply to all objects; the files' shading must then have the view's projection.
 ///
-/// Numbers have the fewest digits that read back as the same, and words are quoted for a shell where they
-/// need to be. `None` where a path is no text.
+/// Numbers have the fewest digits that read back as the same; arguments are quoted for the shell. `None` if a path is
+/// not Unicode.
 pub fn render_command(
     files: &[PathBuf],
     output: &str,
@@ -29,7 +29,7 @@ pub fn render_command(
     let (camera, settings) = (&view.camera, &view.settings);
     let mut words = vec!["raycast".to_owned(), "render".to_owned()];
     for file in files {
-        // A command is run anywhere.
+        // The command may be run in any folder.
         let file = std::path::absolute(file).ok()?;
         words.push(file.to_str()?.to_owned());
     }
@@ -42,7 +42,7 @@ pub fn render_command(
     if let Some(lens) = camera.projection().lens() {
         option("--lens", lens.to_string());
     }
-    // What is the usual is said too: a scene file may say something else.
+    // Defaults are written as well: a scene file may have other values.
     let [right, up] = camera.shift();
     option("--shift", format!("{right},{up}"));
     option(
@@ -130,8 +130,8 @@ pub fn has_own_projection(scene: &Scene) -> bool {
     objects.any(|object| object.mapping.projection.is_some())
 }
 
-/// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is told by the field
-/// of view that has it at the target's distance.
+/// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is written as the field of
+/// view of that height at the target's distance.
 pub fn camera_options(camera: &CameraFile) -> String {
     let CameraFile {
         placement,
@@ -153,8 +153,8 @@ pub fn camera_options(camera: &CameraFile) -> String {
     )
 }
 
-/// The camera that options of `raycast render` tell, whatever else stands between them; `None` where they tell no
-/// eye and no target, or no such camera is possible. What is not told is upright, perspective, of 45°.
+/// The camera in options of `raycast render`, among any other text. `None` without an eye or a target, or if the camera
+/// is invalid. Defaults: the up direction of [`Placement::towards`], perspective, the projection's field of view.
 pub fn camera_of(text: &str) -> Option<CameraFile> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let told = |name: &str| {

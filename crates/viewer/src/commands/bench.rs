@@ -24,7 +24,7 @@ use serde::Serialize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A file's figures.
+/// The measurements of a file.
 #[derive(Debug, Serialize)]
 struct FileFigures {
     file: String,
@@ -39,14 +39,14 @@ struct FileFigures {
     views: Vec<ViewFigures>,
 }
 
-/// What a caster's tree took to build, in turn with the others'.
+/// The build times of a caster's tree, measured in turns with the others'.
 #[derive(Debug, Serialize)]
 struct BuildFigures {
     caster: &'static str,
     ms: Spread,
 }
 
-/// A view's figures.
+/// The measurements of a view.
 #[derive(Debug, Serialize)]
 struct ViewFigures {
     view: &'static str,
@@ -60,7 +60,7 @@ struct ViewFigures {
     baselines: Option<Vec<BaselineFigures>>,
 }
 
-/// Another caster's figures: of all the view's rays, or of as many as brute force has time for.
+/// The measurements of another caster: of all the view's rays, or for brute force of a sample of them.
 #[derive(Debug, Serialize)]
 struct BaselineFigures {
     caster: String,
@@ -68,17 +68,17 @@ struct BaselineFigures {
     hits: u64,
     cast_ms: Spread,
     mrays_per_s: f64,
-    /// How many times as many rays RayCast casts in the same time.
+    /// RayCast's rays a second divided by this caster's.
     raycast_is_faster: f64,
 }
 
-/// How often trees are built to compare them.
+/// How many times trees are built for comparison.
 const BUILDS: usize = 5;
 
-/// Tests of a ray against a triangle that brute force may take for a frame.
+/// The most tests of a ray against a triangle that brute force makes in a frame.
 const BRUTE_FORCE_TESTS: usize = 2_000_000;
 
-/// The least and the middle of several times, in milliseconds.
+/// The minimum and the median of several times, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 struct Spread {
     min: f64,
@@ -86,7 +86,7 @@ struct Spread {
 }
 
 impl Spread {
-    /// Of times, in any order.
+    /// Sorts the times.
     fn of(times: &mut [Duration]) -> Self {
         times.sort_unstable();
         Self {
@@ -96,7 +96,7 @@ impl Spread {
     }
 }
 
-/// The middle of sorted times; of an even number the mean of the two.
+/// The median of sorted times; zero of none.
 fn median(sorted: &[Duration]) -> Duration {
     match (sorted.get(sorted.len() / 2), sorted.len() % 2) {
         (None, _) => Duration::ZERO,
@@ -127,7 +127,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
         memory::check_tree(&made.to_string(), triangles as usize)?;
         let scene = made.scene();
         let cameras = match made {
-            // From outside it would show walls.
+            // From outside only walls would be visible.
             Made::Interior(_) if args.eye.is_none() => inside(args)?,
             _ => cameras(args, &scene)?,
         };
@@ -153,7 +153,7 @@ fn measure(
     progress: &TerminalProgress,
 ) -> Result<FileFigures, Failure> {
     progress.building();
-    // Other casters take triangles one by one.
+    // Other casters have no instances: they get every triangle.
     let build = match args.baselines {
         true => setup::single_tree,
         false => setup::tree,
@@ -219,7 +219,7 @@ fn measure(
     })
 }
 
-/// Builds trees, RayCast's from the scene and Embree's from buffers that are full, in turn.
+/// Builds trees in turns: RayCast's from the scene, and Embree's from buffers that are already filled.
 fn measure_builds(
     scene: &Scene,
     accel: &Accel,
@@ -248,7 +248,7 @@ fn measure_builds(
         .collect())
 }
 
-/// Other people's casters: those with trees of their own, brute force, and Embree where it is there.
+/// The casters to compare with: those with trees of their own, brute force, and Embree if it is installed.
 fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Vec<Box<dyn Caster>> {
     let mut all = casters::trees(accel);
     all.extend(casters::brute_force(accel));
@@ -259,7 +259,7 @@ fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Ve
     all
 }
 
-/// The views of a made interior.
+/// The views of a scene [`Made::Interior`].
 fn inside(args: &BenchArgs) -> Result<Vec<(&'static str, Camera)>, Failure> {
     let camera = |close| -> Result<Camera, Failure> {
         let camera = interior_camera(args.size, close)?;
@@ -311,7 +311,7 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
     Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }
 
-/// Measures frames of one view, and the other casters' in turn with them, after one that warms up.
+/// Measures frames of one view, in turns with the other casters, after one frame that warms up.
 fn measure_view(
     name: &'static str,
     view: &View,
@@ -392,8 +392,7 @@ fn measure_view(
     })
 }
 
-/// How many times as many rays the first casts in a second, to two decimals; 0 where it is too short to
-/// tell.
+/// The first's rays a second divided by the other's, rounded to two decimals; 0 if that is not finite.
 fn times_as_fast(one: (u64, Duration), other: (u64, Duration)) -> f64 {
     let seconds = |(rays, time): (u64, Duration)| time.as_secs_f64() / rays.max(1) as f64;
     let ratio = seconds(other) / seconds(one);
@@ -404,7 +403,7 @@ fn times_as_fast(one: (u64, Duration), other: (u64, Duration)) -> f64 {
     }
 }
 
-/// The time of one frame: visibility, shading and the RGBA image, over the last one's memory.
+/// The time of one frame: visibility, shading and the RGBA image, into the memory of the frame before.
 fn render_frame(view: &View, picture: &mut Picture) -> Result<Duration, Failure> {
     let started = Instant::now();
     let clock = || Duration::ZERO;

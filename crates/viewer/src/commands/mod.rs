@@ -1,4 +1,4 @@
-//! Commands that need no window.
+//! Executing the command line: a file for each command that needs no window.
 
 mod banded;
 mod bench;
@@ -90,7 +90,7 @@ fn keep_quiet_about_caught_panics() {
     }));
 }
 
-/// Opens the window, if its tree can be built.
+/// Opens the window, unless `RAYCAST_SIMD` names no instruction set of this machine: then no tree could be built.
 fn view(options: open::Options) -> ExitCode {
     match setup::instruction_set() {
         Ok(_) => open::run(options),
@@ -98,7 +98,7 @@ fn view(options: open::Options) -> ExitCode {
     }
 }
 
-/// A pool of this many workers; 0 for one a core.
+/// A pool of this many worker threads; 0 for one for each hardware thread.
 fn workers(threads: u16) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new()
         .num_threads(threads.into())

@@ -72,7 +72,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     ];
     let own = Output::at(&plan.path, &inputs)?;
     if own.is_taken() && !is_plan(&plan.path) {
-        // It may be what a mesh names: of that nothing is known here, where no mesh is read.
+        // It may be a file that a mesh names; no mesh is read here, so that cannot be checked.
         return Err(Failure::could_not(format!(
             "{}: is there already and is no plan: give the plan another name",
             plan.path.display()

@@ -10,13 +10,13 @@ use raycast_core::scene::{Color, Object};
 use raycast_core::shade::{TextureMap, texture_corners};
 use std::path::Path;
 
-/// Edges of triangles.
+/// The colour of triangles' edges.
 const EDGES: Color = Color([0x00, 0xd8, 0xff]);
 
 /// The colour of the selected triangle, and its opacity.
 const PICKED: (Color, f32) = (Color([0xff, 0x30, 0x60]), 0.45);
 
-/// The crop's border.
+/// The colour of the crop's border.
 const CROP: Color = Color([0xff, 0x30, 0x60]);
 
 /// Draws a mesh's triangles into its texture.

@@ -139,7 +139,7 @@ impl Checking<'_> {
                 pixel_filter: settings.pixel_filter,
                 picture: &picture,
             };
-            // The number of pixels that should be checked in all rows down to here.
+            // The number of pixels to check in all rows down to here.
             let down = u128::from(y + band.height) * u128::from(rect.width);
             let share = most as u128 * down / rect.area().max(1) as u128;
             let seed = args.seed.wrapping_add(u64::from(y) << 32);

@@ -60,6 +60,7 @@ A report of `raycast report` lies in this folder. Another one may be written ove
 
 #[cfg(test)]
 mod tests {
+    use super::super::part_file::part_name;
     use super::*;
 
     #[test]
@@ -69,9 +70,12 @@ mod tests {
         let folder = Folder::at(&new, false).expect("a new folder");
         assert!(Folder::at(&new, false).is_ok(), "it is empty");
         // Leftovers of a killed command do not count.
-        fs::write(new.join(".raycast-1-0.part"), b"half").expect("written");
+        fs::write(new.join(part_name(1, 0)), b"half").expect("written");
         assert!(Folder::at(&new, false).is_ok());
         assert_eq!(fs::read_dir(&new).map(Iterator::count).ok(), Some(0));
+        fs::write(new.join(".raycast-1-0.part"), b"somebody's own").expect("written");
+        assert!(Folder::at(&new, false).is_err());
+        fs::remove_file(new.join(".raycast-1-0.part")).expect("it was left alone");
 
         fs::write(new.join("thesis.md"), b"years of work").expect("written");
         let told = Folder::at(&new, false)

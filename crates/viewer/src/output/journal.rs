@@ -1,5 +1,6 @@
 //! Journals of part files, from which a later command resumes.
 
+use super::part_file::open_kept;
 use raycast_core::digest::Digest;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -8,7 +9,7 @@ use std::path::PathBuf;
 /// The pieces of a file: the length of each, its checksum, and what its writer needs to know of it. A piece is in the
 /// journal only after it is synced to the disk, and counts only if the part file has its bytes.
 ///
-/// The first line identifies the file; then there is a line a piece: `BYTES DIGEST WORDS…`, and a checksum of these.
+/// The first line identifies the program and the file; then there is a line a piece: `BYTES DIGEST WORDS…`, and a checksum of these.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -19,19 +20,35 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The journal of the file with this `key` (a line). The part file is truncated to the journal's pieces, after a
-    /// `head` that is written again. A journal with another key, or without a valid piece, is restarted.
+    /// The journal of the file with this `key`. The part file is truncated to the journal's pieces, after a `head` that is
+    /// written again. A journal with another key, or without a valid piece, is restarted.
     ///
     /// # Errors
-    /// Files that cannot be read or written.
-    pub(super) fn open(path: PathBuf, key: &str, head: &[u8], part: &mut File) -> io::Result<Self> {
-        let mut options = File::options();
-        options.read(true).write(true).create(true).truncate(false);
-        let mut file = options.open(&path)?;
+    /// Files that cannot be read or written; files of these names that [`Journal`] did not write, which stay.
+    pub(super) fn open(
+        path: PathBuf,
+        key: Digest,
+        head: &[u8],
+        part: &mut File,
+    ) -> io::Result<Self> {
+        let mut file = open_kept(&path, false)?;
         let mut text = Vec::new();
         file.read_to_end(&mut text)?;
         let text = String::from_utf8_lossy(&text);
-        let first = format!("{key}\n");
+        // A journal is on the disk before its part file has a byte.
+        let is_own = if text.is_empty() {
+            part.metadata()?.len() == 0
+        } else {
+            text.lines().next().is_some_and(is_first_line)
+        };
+        if !is_own {
+            let reason = format!(
+                "{} was not written by this program: move it, and the part file beside it, away",
+                path.display()
+            );
+            return Err(io::Error::other(reason));
+        }
+        let first = first_line(key);
         let lines = text.strip_prefix(&first).unwrap_or_default();
         let mut pieces = Vec::new();
         let mut end = head.len() as u64;
@@ -45,16 +62,17 @@ impl Journal {
             end += bytes;
             pieces.push(words);
         }
+        let kept = lines.split_inclusive('\n').take(pieces.len());
+        let known: String = std::iter::once(first.as_str()).chain(kept).collect();
+        // Never empty from here on: an empty journal belongs to no part file.
+        file.seek(SeekFrom::Start(0))?;
+        file.write_all(known.as_bytes())?;
+        file.set_len(known.len() as u64)?;
+        file.sync_all()?;
         part.set_len(end)?;
         part.seek(SeekFrom::Start(0))?;
         part.write_all(head)?;
         part.seek(SeekFrom::Start(end))?;
-        let kept = lines.split_inclusive('\n').take(pieces.len());
-        let known: String = std::iter::once(first.as_str()).chain(kept).collect();
-        file.set_len(0)?;
-        file.seek(SeekFrom::Start(0))?;
-        file.write_all(known.as_bytes())?;
-        file.sync_all()?;
         Ok(Self {
             path,
             file,
@@ -96,6 +114,18 @@ impl Journal {
     }
 }
 
+/// The first line of a file's journal. It names the version, since another one may compress differently.
+fn first_line(key: Digest) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    format!("raycast {version} journal 1 of {key}\n")
+}
+
+/// Whether any version of this program wrote this line as a journal's first.
+fn is_first_line(line: &str) -> bool {
+    let words: Vec<_> = line.split(' ').collect();
+    matches!(words[..], ["raycast", _, "journal", _, "of", key] if key.parse::<Digest>().is_ok())
+}
+
 /// The length and the words of a piece, if the part file has its bytes next.
 fn read_piece(line: &str, part: &mut File) -> io::Result<Option<(u64, String)>> {
     let Some((body, check)) = line.rsplit_once(' ') else {
@@ -123,10 +153,11 @@ mod tests {
 
     /// The pieces that are found again after `damage`, and the file's bytes.
     fn after(damage: impl Fn(&mut Vec<u8>, &mut Vec<u8>), key: &str) -> (Vec<String>, Vec<u8>) {
+        let (key, first_key) = (Digest::of(key.as_bytes()), Digest::of(b"key"));
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
         let output = Output::at(&at("out"), &[]).expect("a place");
-        let (mut file, mut journal) = output.resume("key", b"HEAD").expect("begins");
+        let (mut file, mut journal) = output.resume(first_key, b"HEAD").expect("begins");
         for (piece, words) in [("first", "a 1"), ("second", "b"), ("third", "")] {
             file.append(piece.as_bytes()).expect("written");
             journal.remember(piece.as_bytes(), words);
@@ -134,7 +165,7 @@ mod tests {
         }
         file.append(b"half of the four").expect("written");
         assert!(
-            output.resume("key", b"HEAD").is_err(),
+            output.resume(first_key, b"HEAD").is_err(),
             "one command at a time"
         );
         drop((file, journal));
@@ -187,6 +218,60 @@ mod tests {
         assert_eq!(after(|part, _| part[4] ^= 1, "key"), none);
         assert_eq!(after(|_, _| {}, "another key"), none);
         assert_eq!(after(|part, _| part.clear(), "key"), none);
-        assert_eq!(after(|_, notes| notes.clear(), "key"), none);
+    }
+
+    /// What this program did not write stays, and is named.
+    #[test]
+    fn files_of_somebody_else_under_these_names_are_left_alone() {
+        let key = Digest::of(b"key");
+        for (part, journal) in [
+            (Some("a thesis"), None),
+            (Some("a thesis"), Some("")),
+            (None, Some("a diary\n")),
+            (Some("a thesis"), Some("a diary\n")),
+            (Some("a thesis"), Some("raycast of today: journal 1\n")),
+        ] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let at = |name: &str| folder.path().join(name);
+            let files = [
+                (".out.raycast-part", part),
+                (".out.raycast-journal", journal),
+            ];
+            for (name, text) in files {
+                if let Some(text) = text {
+                    fs::write(at(name), text).expect("written");
+                }
+            }
+            let output = Output::at(&at("out"), &[]).expect("a place");
+            let error = output
+                .resume(key, b"head")
+                .expect_err("refused")
+                .to_string();
+            assert!(
+                error.contains(".out.raycast-journal was not written"),
+                "{error}"
+            );
+            for (name, text) in files {
+                let left = fs::read_to_string(at(name)).unwrap_or_default();
+                assert_eq!(left, text.unwrap_or_default(), "{name}");
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_under_these_names_are_not_followed() {
+        for name in [".out.raycast-part", ".out.raycast-journal"] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let own = folder.path().join("own");
+            fs::write(&own, "a thesis").expect("written");
+            std::os::unix::fs::symlink(&own, folder.path().join(name)).expect("a link");
+            let output = Output::at(&folder.path().join("out"), &[]).expect("a place");
+            let error = output
+                .resume(Digest::of(b""), b"head")
+                .expect_err("refused");
+            assert!(error.to_string().contains("is no file"), "{error}");
+            assert_eq!(fs::read(&own).expect("it is there"), b"a thesis");
+        }
     }
 }

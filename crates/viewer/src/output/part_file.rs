@@ -1,8 +1,9 @@
 //! Part files: outputs under a temporary name until they are complete.
 
 use super::place::{directory_of, is_at};
+use raycast_core::digest::Digest;
 use std::ffi::OsStr;
-use std::fs::{self, File, Permissions, TryLockError};
+use std::fs::{self, File, Metadata, Permissions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -40,16 +41,7 @@ impl PartFile {
     /// # Errors
     /// A file that cannot be opened, or that another command is writing.
     pub(super) fn keep_at(path: PathBuf, is_private: bool) -> io::Result<Self> {
-        let mut options = File::options();
-        options.read(true).write(true).create(true).truncate(false);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::OpenOptionsExt;
-            options.mode(if is_private { 0o600 } else { 0o666 });
-        }
-        #[cfg(not(unix))]
-        let _ = is_private;
-        let file = options.open(&path)?;
+        let file = open_kept(&path, is_private)?;
         // A file system without locks shows no other writer.
         let is_held = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
         if is_held || !is_at(&file, &path) {
@@ -81,7 +73,7 @@ impl PartFile {
         let process = std::process::id();
         let mut paths = unfinished();
         for number in 0..MOST {
-            let path = directory.join(format!("{PREFIX}{process}-{number}{SUFFIX}"));
+            let path = directory.join(part_name(process, number));
             let file = match options.open(&path) {
                 Ok(file) => file,
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
@@ -113,7 +105,7 @@ impl PartFile {
         let process = std::process::id();
         let mut paths = unfinished();
         for number in 0..MOST {
-            let path = directory.join(format!("{PREFIX}{process}-{number}{SUFFIX}"));
+            let path = directory.join(part_name(process, number));
             match fs::create_dir(&path) {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
                 made => made?,
@@ -180,7 +172,29 @@ impl Drop for PartFile {
     }
 }
 
-/// Removes the unlocked part files in `directory`: those of processes that were killed.
+/// Opens the file at `path` with its contents, or creates it. If `is_private` only its owner may read a new one.
+///
+/// # Errors
+/// A file that cannot be opened; a link or a device, which no command leaves at such a name.
+pub(super) fn open_kept(path: &Path, is_private: bool) -> io::Result<File> {
+    if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
+        let reason = format!("{} is no file", path.display());
+        return Err(io::Error::other(reason));
+    }
+    let mut options = File::options();
+    options.read(true).write(true).create(true).truncate(false);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.mode(if is_private { 0o600 } else { 0o666 });
+    }
+    #[cfg(not(unix))]
+    let _ = is_private;
+    options.open(path)
+}
+
+/// Removes the unlocked part files in `directory`: those of processes that were killed. What only resembles one, or
+/// belongs to another user, stays.
 pub(super) fn sweep(directory: &Path) {
     let Ok(entries) = fs::read_dir(directory) else {
         return;
@@ -198,6 +212,9 @@ fn remove_if_abandoned(path: &Path) {
     let Ok(found) = fs::symlink_metadata(path) else {
         return;
     };
+    if !is_own(&found) {
+        return;
+    }
     if found.is_dir() {
         match File::options().read(true).write(true).open(path.join(LOCK)) {
             // Locked until the folder is removed: its creator then creates another.
@@ -223,13 +240,44 @@ fn remove_if_abandoned(path: &Path) {
     }
 }
 
+/// The name of a part file: its process, a number, and a checksum of both, which a file of somebody else has only if it
+/// was made to look like one.
+pub(super) fn part_name(process: u32, number: u32) -> String {
+    let digest = Digest::of(format!("raycast part file {process} {number}").as_bytes());
+    let check = u64::from_be_bytes(*digest.to_bytes().first_chunk().unwrap_or(&[0; 8]));
+    format!("{PREFIX}{process}-{number}-{check:016x}{SUFFIX}")
+}
+
 /// Whether this is a name that [`PartFile::create_in`] gives.
 pub(super) fn is_part_name(name: &OsStr) -> bool {
-    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let own = |name: &str| {
+        let mut numbers = name.strip_prefix(PREFIX)?.split('-');
+        let process = numbers.next()?.parse().ok()?;
+        let number = numbers.next()?.parse().ok()?;
+        Some(part_name(process, number))
+    };
     name.to_str()
-        .and_then(|name| name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX))
-        .and_then(|middle| middle.split_once('-'))
-        .is_some_and(|(process, number)| is_number(process) && is_number(number))
+        .is_some_and(|name| own(name).is_some_and(|own| own == name))
+}
+
+/// Whether this user's processes made it.
+#[cfg(unix)]
+fn is_own(found: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    may_remove(rustix::process::geteuid().as_raw(), found.uid())
+}
+
+/// Whether a part file of `owner` may be one of `user`'s: the superuser gives a part file to the owner of the file that it
+/// replaces.
+#[cfg(unix)]
+fn may_remove(user: u32, owner: u32) -> bool {
+    user == 0 || user == owner
+}
+
+/// Other systems let nobody remove a file who may not write it.
+#[cfg(not(unix))]
+fn is_own(_: &Metadata) -> bool {
+    true
 }
 
 /// Syncs a file to the disk; a file system that does not support this is not an error.
@@ -271,19 +319,35 @@ mod tests {
     }
 
     #[test]
-    fn names() {
-        for good in [".raycast-1-0.part", ".raycast-4194304-12.part"] {
-            assert!(is_part_name(OsStr::new(good)), "{good}");
+    fn only_names_that_are_given_are_taken_for_part_files() {
+        for (process, number) in [(1, 0), (4_194_304, 12), (u32::MAX, MOST - 1)] {
+            let name = part_name(process, number);
+            assert!(is_part_name(OsStr::new(&name)), "{name}");
+            // Every other digit of the checksum, and every other process and number.
+            for at in PREFIX.len()..name.len() - SUFFIX.len() {
+                for with in "0123456789abcdef-".chars() {
+                    let changed = format!("{}{with}{}", &name[..at], &name[at + 1..]);
+                    assert!(
+                        changed == name || !is_part_name(OsStr::new(&changed)),
+                        "{changed}"
+                    );
+                }
+            }
+            for changed in [
+                name[1..].to_owned(),
+                format!("{name}.png"),
+                name.replace(SUFFIX, ""),
+                name.replacen('-', "-+", 2),
+                name.replacen('-', "-0", 2),
+            ] {
+                assert!(!is_part_name(OsStr::new(&changed)), "{changed}");
+            }
         }
         for bad in [
-            "raycast-1-0.part",
+            ".raycast-1-0.part",
             ".raycast-1.part",
-            ".raycast--0.part",
-            ".raycast-1-.part",
-            ".raycast-1-x.part",
-            ".raycast-1-0-0.part",
-            ".raycast-1-0.part.png",
             ".raycast-notes.part",
+            ".raycast--.part",
         ] {
             assert!(!is_part_name(OsStr::new(bad)), "{bad}");
         }
@@ -292,22 +356,59 @@ mod tests {
     #[test]
     fn abandoned_files_are_removed_and_held_ones_are_not() {
         let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
         let held = PartFile::create_in(folder.path(), false).expect("a part file");
         let other = PartFile::create_in(folder.path(), true).expect("another");
         assert_ne!(held.path, other.path);
-        for name in [".raycast-1-0.part", ".raycast-999999999-7.part"] {
-            fs::write(folder.path().join(name), b"half").expect("a file of a process that is gone");
+        for (process, number) in [(1, 0), (999_999_999, 7)] {
+            let path = at(&part_name(process, number));
+            fs::write(path, b"half").expect("a file of a process that is gone");
         }
-        fs::write(folder.path().join(".raycast-mine.part"), b"").expect("a file of somebody's own");
-        fs::create_dir(folder.path().join(".raycast-2-0.part")).expect("an empty folder");
-        fs::create_dir(folder.path().join(".raycast-3-0.part")).expect("a folder");
-        fs::write(folder.path().join(".raycast-3-0.part/notes"), b"").expect("somebody's own");
-        assert_eq!(count(folder.path()), 7);
+        fs::create_dir(at(&part_name(2, 0))).expect("an empty folder");
+        assert_eq!(count(folder.path()), 5);
         sweep(folder.path());
-        assert_eq!(count(folder.path()), 4);
+        assert_eq!(count(folder.path()), 2);
         assert!(held.path.is_file() && other.path.is_file());
         drop((held, other));
-        assert_eq!(count(folder.path()), 2);
+        assert_eq!(count(folder.path()), 0);
+    }
+
+    /// Somebody's own files and folders, however much their names resemble a part file's.
+    #[test]
+    fn a_sweep_removes_nothing_that_only_resembles_a_part_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let names = [
+            ".raycast-1-0.part",
+            ".raycast-999999999-7.part",
+            ".raycast-1-0-0123456789abcdef.part",
+            ".raycast-mine.part",
+        ];
+        for name in names {
+            fs::write(at(name), b"somebody's own").expect("written");
+        }
+        for name in [".raycast-2-0.part", ".raycast-3-0.part"] {
+            fs::create_dir(at(name)).expect("a folder");
+        }
+        fs::write(at(".raycast-3-0.part").join(LOCK), b"").expect("written");
+        // Of the right name, but with something in it, and without a lock.
+        fs::create_dir(at(&part_name(4, 0))).expect("a folder");
+        fs::write(at(&part_name(4, 0)).join("notes"), b"somebody's own").expect("written");
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(".raycast-mine.part", at(&part_name(5, 0))).expect("a link");
+        let before = count(folder.path());
+        sweep(folder.path());
+        assert_eq!(count(folder.path()), before);
+        for name in names {
+            assert_eq!(fs::read(at(name)).expect("it is there"), b"somebody's own");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn part_files_of_other_users_are_left_to_them() {
+        assert!(may_remove(1000, 1000) && may_remove(0, 1000) && may_remove(0, 0));
+        assert!(!may_remove(1000, 1001) && !may_remove(1000, 0));
     }
 
     #[test]

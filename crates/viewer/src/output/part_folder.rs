@@ -72,7 +72,7 @@ impl Drop for FolderUnderWay {
 
 #[cfg(test)]
 mod tests {
-    use super::super::part_file::sweep;
+    use super::super::part_file::{part_name, sweep};
     use super::*;
 
     #[test]
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(fs::read_dir(&place).map_or(0, Iterator::count), 1);
         assert!(FolderUnderWay::create(&place).is_err());
         // Of a process that is gone.
-        let abandoned = folder.path().join(".raycast-1-0.part");
+        let abandoned = folder.path().join(part_name(1, 0));
         fs::create_dir(&abandoned).expect("a folder");
         sweep(folder.path());
         assert!(!abandoned.exists(), "it was killed before it was locked");

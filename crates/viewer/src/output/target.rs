@@ -5,6 +5,7 @@ use super::part_file::{PartFile, sweep};
 use super::place::{Identity, directory_of, follow};
 use super::unfinished::{Sink, Unfinished, cannot_write};
 use crate::failure::Failure;
+use raycast_core::digest::Digest;
 use std::fmt::Display;
 use std::fs::{self, File, Metadata};
 use std::io::{self, Write};
@@ -144,8 +145,8 @@ impl Output {
     /// `key`. Both stay until the file is finished.
     ///
     /// # Errors
-    /// As [`Output::create`]; another command that writes the same file.
-    pub fn resume(&self, key: &str, head: &[u8]) -> Result<(Unfinished, Journal), Failure> {
+    /// As [`Output::create`]; another command that writes the same file; files of those names that none wrote.
+    pub fn resume(&self, key: Digest, head: &[u8]) -> Result<(Unfinished, Journal), Failure> {
         let cannot = |error: io::Error| self.cannot(&error);
         if self.is_device {
             return Err(self.cannot(&"what is written to a device cannot be resumed"));

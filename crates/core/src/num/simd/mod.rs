@@ -95,6 +95,8 @@ pub(crate) trait F32x8:
     fn max(self, other: Self) -> Self;
     /// Whether each lane is less than `other`'s; false where either is NaN.
     fn lt(self, other: Self) -> Self::Mask;
+    /// The numbers' bits, shifted to the right; of those, the bits of a mask.
+    fn shifted_bits(self, right: u32, mask: u32) -> [u32; LANES];
 
     /// The least of the eight, none of which is NaN.
     #[inline(always)]

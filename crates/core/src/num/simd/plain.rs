@@ -95,6 +95,10 @@ impl F32x8 for PlainF32 {
     fn lt(self, other: Self) -> PlainMask {
         PlainMask(each!(l => self.0[l] < other.0[l]))
     }
+    #[inline(always)]
+    fn shifted_bits(self, right: u32, mask: u32) -> [u32; LANES] {
+        each!(l => self.0[l].to_bits() >> right & mask)
+    }
 }
 
 impl Mask8 for PlainMask {

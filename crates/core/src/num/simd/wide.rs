@@ -7,7 +7,8 @@
 
 use super::{F32x8, LANES, Lanes, Mask8};
 use fearless_simd::{
-    ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdInto, SimdMask, f32x8, mask32x8, u32x8,
+    Bytes, ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdInto, SimdMask, f32x8, mask32x8,
+    u32x8,
 };
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
@@ -54,6 +55,10 @@ impl<S: Simd> F32x8 for f32x8<S> {
     #[inline(always)]
     fn lt(self, other: Self) -> Self::Mask {
         self.simd_lt(other)
+    }
+    #[inline(always)]
+    fn shifted_bits(self, right: u32, mask: u32) -> [u32; LANES] {
+        *((self.bitcast::<u32x8<S>>() >> right) & mask)
     }
 }
 
@@ -230,6 +235,8 @@ mod tests {
                 self.0.extend(all);
                 self.0.push(mask.bits());
             }
+            self.0.extend(a.shifted_bits(16, 2047));
+            self.0.extend(c.shifted_bits(0, 0xffff));
             self.0.push(c.reduce_min().to_bits());
         }
     }
@@ -242,7 +249,7 @@ mod tests {
             bits
         };
         let plain = of(Simd::Plain);
-        assert_eq!(plain.len(), (16 + LANES) * LANES + 4 * (LANES + 1) + 1);
+        assert_eq!(plain.len(), (18 + LANES) * LANES + 4 * (LANES + 1) + 1);
         assert_eq!(of(Simd::best()), plain);
     }
 }

@@ -1,6 +1,6 @@
-//! Lattices of panoramas: packets whose rays lie at places of their own on a plane each
-//! ([`places`](crate::packet::places)), or, through a lens, on the camera's. Packets that see too wide for a plane are split,
-//! the smallest ones cast ray by ray.
+//! Casting lattices of panoramas and of lenses. A packet's rays are given by their [`places`](crate::packet::places) on
+//! a plane of the packet's own; through a lens, on the camera's image plane. Packets whose rays span too wide an angle
+//! for a plane are split, and the smallest ones are cast ray by ray.
 
 use super::Find;
 use crate::camera::PanoramaRays;
@@ -13,7 +13,8 @@ use crate::packet::ray_rect::RayRect;
 use crate::packet::traversal::Traversal;
 use glam::DVec3;
 
-/// The window of the image plane that the rays of a part go through a lens to, where that is known without them.
+/// A window of the image plane that contains the places of a rectangle's rays through a lens; `None` where only the
+/// rays themselves tell.
 fn window(rays: &PanoramaRays, part: &RayRect) -> Option<Window> {
     let [across, along] = rays.window(part.rect())?;
     Some(Window { across, along })
@@ -57,7 +58,7 @@ impl Work for FindAround<'_> {
             }
             rest.extend(large.split(SIDE as u32));
             while let Some(part) = rest.pop() {
-                // Most packets beside a mesh are done without their rays.
+                // Rejects most packets beside a mesh before their rays are computed.
                 let part_window = window.and_then(|_| self::window(&rays, &part));
                 if let Some(window) = part_window
                     && !traversal.may_hit(lanes, &plane, &window)

@@ -30,8 +30,8 @@ const WHOLE: RayBox = RayBox {
     bottom: SIDE as i32 - 1,
 };
 
-/// The values of a function at eight places. No closure: what is called in one may not be compiled for the
-/// instruction set.
+/// The values of a function at eight places. Not a closure: calls inside one may be compiled without the instruction
+/// set of its caller.
 #[inline(always)]
 fn value<L: Lanes>(lanes: L, f: [f32; 3], (x, y): (L::F32, L::F32)) -> L::F32 {
     let below = lanes.splat(f[0]) + lanes.splat(f[2]) * y;

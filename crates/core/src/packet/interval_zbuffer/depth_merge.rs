@@ -4,8 +4,8 @@ use super::edge_functions::EdgeFunctions;
 use super::{ALL, ROW};
 use crate::num::simd::{F32x8, Lanes, Mask8};
 
-/// Of eight rays, as bits, those that merging leaves undecided: neither is the triangle surely nearer there nor the
-/// nearest hit so far.
+/// Of a row of eight rays, as bits, those that merging leaves undecided: neither the triangle nor the nearest hit so
+/// far is surely nearer.
 #[derive(Clone, Copy)]
 pub(super) struct UndecidedRays {
     pub(super) rays: u32,
@@ -32,8 +32,8 @@ impl<L: Lanes> DepthMerge<L> {
         }
     }
 
-    /// Merges a triangle of depth key `near` into a row of rays. `sides` has the rays surely inside and surely
-    /// outside the triangle; `None` means that all are inside.
+    /// Merges a triangle of depth key `near` into a row of rays. `sides` is the rays surely inside and those surely
+    /// outside the triangle; `None` means that all are surely inside.
     ///
     /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned and is not merged.
     #[inline(always)]

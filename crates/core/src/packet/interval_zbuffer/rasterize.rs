@@ -22,22 +22,23 @@ const CELL_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
 const CELL_COLUMNS: [u32; CELLS] = [0x11, 0x33, 0x77, 0xff];
 const CELL_FIRST_ROW: u32 = 0x0f;
 
-/// How many times the order of two triangles is undecided in the rows of a cell before its triangles are compared with
-/// others by their planes: two triangles that cover it. With fewer, cells where a few triangles touch are compared for
-/// nothing (visibility of the dahlia took 7 % longer); with more, layers are merged ray by ray for longer.
+/// The number of undecided orders in the rows of a cell beyond which a triangle is first compared with the cell's
+/// stored triangles by their planes: as many as two triangles that cover the cell cause. With a smaller number, cells
+/// where a few triangles touch are compared for nothing (visibility of the dahlia took 7 % longer); with a larger one,
+/// layers are merged ray by ray for longer.
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
 
-/// How often the stored triangle may change from ray to ray of a cell for its triangles to be compared with another by
-/// their planes. Cells of layers show a few triangles in long runs. With more changes comparing takes longer than merging
-/// the 8 rows; with fewer, cells where layers cross are merged ray by ray.
+/// The most runs of equal stored triangles in a cell, ray by ray, for that comparison, which takes one test a run.
+/// Layers leave a few triangles in long runs. With a larger number comparing takes longer than merging the eight rows;
+/// with a smaller one, cells where layers cross are merged ray by ray.
 const MOST_STORED: u32 = 16;
 
 /// Columns of a row of rays.
 pub(super) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 impl IntervalZBuffer {
-    /// Sets rough triangles up again with componentwise bounds. Returns those triangles, as bits, that exact
-    /// arithmetic proves unhit, among the ill-conditioned ones and those that orthographic rays may start at.
+    /// Sets rough triangles up again with componentwise bounds. Returns, as bits, the triangles that exact arithmetic
+    /// proves no ray to hit; only those are examined that are ill-conditioned, or on which orthographic rays may start.
     #[inline(never)]
     pub(super) fn refine(
         &self,
@@ -74,8 +75,8 @@ impl IntervalZBuffer {
     }
 
     /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Ill-conditioned
-    /// triangles, and those that orthographic rays may start at, are skipped where exact arithmetic proves that no
-    /// ray hits them.
+    /// triangles, and those on which orthographic rays may start, are skipped where exact arithmetic proves that no ray
+    /// hits them.
     #[inline(always)]
     pub(in crate::packet) fn rasterize(
         &mut self,
@@ -170,7 +171,7 @@ impl IntervalZBuffer {
         let columns = right / ROW - column / ROW + 1;
         let rows = bottom / ROW - row / ROW + 1;
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        // All rows of cells, two at a time.
+        // Rows of cells, two at a time: eight cells.
         for cell_row in (0..rows).step_by(ROW / CELLS) {
             let (x, y) = (
                 lanes.load(&CELL_X),
@@ -365,8 +366,8 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Whether each ray of a cell has a hit that the planes of the two triangles order surely before a triangle's.
-    /// Depths have left their order undecided for some ray of the cell.
+    /// Whether each ray of a cell has a stored hit that is surely nearer than this triangle, by the planes of the two.
+    /// For cells in which depths have left orders undecided.
     #[inline(never)]
     pub(super) fn is_behind_stored(
         &self,

@@ -11,17 +11,36 @@ use crate::shade::{Mode, Shading};
 use std::sync::Arc;
 
 impl Shader<'_> {
-    /// Whether colours depend on where rays hit, or on the triangles alone.
+    /// Whether colours depend on where rays hit, or on the triangles and the places of the samples alone.
     pub fn detail(&self) -> Detail {
-        let needs = self.needs;
-        let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
-        let weighs = weighs || (needs.edges && self.lines.has_silhouettes());
-        let weighs = weighs || self.ground.is_some();
-        if weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth) {
+        if self.planar.is_none() && (self.varies_within_triangles() || self.needs_hits()) {
             Detail::Full
         } else {
             Detail::Triangle
         }
+    }
+
+    /// Whether colours depend on t, u or v.
+    fn varies_within_triangles(&self) -> bool {
+        let needs = self.needs;
+        let weighs = needs.smooth || needs.texture || needs.uvs || needs.varied;
+        weighs || matches!(self.shading.mode, Mode::Barycentric | Mode::Depth)
+    }
+
+    /// Whether t, u and v of the hits themselves are needed beside colours: by lines and grounds that they are nearer than,
+    /// and by what casts other rays from them.
+    fn needs_hits(&self) -> bool {
+        let has_silhouettes = self.needs.edges && self.lines.has_silhouettes();
+        has_silhouettes || self.ground.is_some()
+    }
+
+    /// Whether colours can take t, u and v from linear functions of the place.
+    pub(super) fn can_interpolate(&self) -> bool {
+        let casts_others = self.has_photographs() || self.translucent.is_some();
+        self.varies_within_triangles()
+            && !self.needs_hits()
+            && !casts_others
+            && self.eight_colors().is_some()
     }
 
     /// Which of t, u and v colours depend on.
@@ -38,6 +57,11 @@ impl Shader<'_> {
 
     /// Whether all pixels of a triangle have one colour.
     pub(in crate::shade) fn is_constant(&self) -> bool {
+        self.has_constant_surfaces() && !self.needs.edges
+    }
+
+    /// Whether all pixels of a triangle that no lines cover have one colour.
+    pub(in crate::shade) fn has_constant_surfaces(&self) -> bool {
         let is_flat = match self.shading.mode {
             Mode::Color | Mode::Flat | Mode::Texture => true,
             Mode::Normals => !self.needs.smooth,
@@ -46,7 +70,6 @@ impl Shader<'_> {
         is_flat
             && !self.needs.texture
             && !self.needs.varied
-            && !self.needs.edges
             && self.ground.is_none()
             && !self.has_many_eyes()
     }
@@ -117,5 +140,6 @@ pub(super) fn needs_of(scene: &Scene, shading: &Shading, own_colors: &OwnColors)
         reflectance: reflects,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
         ground: false,
+        interpolants: false,
     }
 }

@@ -4,7 +4,10 @@ use super::{Shader, opaque};
 use crate::camera::Projection;
 use crate::scene::{Attribute, Object, Scene};
 use crate::shade::edges::EdgeLines;
-use crate::shade::facet::{Facet, Needs, SurfaceTriangle, Varied, facing_normal, unit};
+use crate::shade::facet::{
+    Facet, Interpolation, Needs, SurfaceTriangle, Varied, facing_normal, unit,
+};
+use crate::shade::interpolants::{Interpolants, LinearNormal};
 use crate::shade::own_color::Placed;
 use crate::shade::sides::Sides;
 use crate::shade::{Mode, Shading};
@@ -84,6 +87,18 @@ impl Shader<'_> {
         }
         if needs.smooth {
             facet.normals = self.smooth_normals(number, object, triangle);
+        }
+        if let (true, Some(rays)) = (needs.interpolants, &self.planar) {
+            let interpolants = Interpolants::new(rays, self.accel.corners(primitive));
+            facet.linear_normal = match (&interpolants, facet.normals) {
+                (_, None) => Some(LinearNormal::constant(facet.normal)),
+                (Some(interpolants), Some(normals)) => interpolants.normals(normals, facet.normal),
+                (None, Some(_)) => None,
+            };
+            facet.interpolation = match interpolants {
+                Some(interpolants) => Interpolation::Linear(interpolants),
+                None => Interpolation::Ray,
+            };
         }
         if needs.color {
             let place = || self.placed(number, primitive, x);

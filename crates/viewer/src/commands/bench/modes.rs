@@ -1,4 +1,4 @@
-//! What each mode's pictures take beside visibility alone.
+//! The time of each mode's pictures, relative to visibility alone.
 
 use super::{cameras, inside, render_frame};
 use crate::cli::BenchArgs;
@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Kinds of pictures: name, mode, whether textured, lined and with all channels.
+/// The kinds of pictures: name, mode, and what they have besides.
 const PICTURES: [(&str, Mode, Extra); 13] = [
     ("color", Mode::Color, Extra::None),
     ("flat", Mode::Flat, Extra::None),
@@ -39,39 +39,39 @@ const PICTURES: [(&str, Mode, Extra); 13] = [
     ("smooth, all channels", Mode::Smooth, Extra::Channels),
 ];
 
-/// What a picture has beside its mode.
+/// What a picture has besides its mode.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Extra {
     None,
-    /// Each object has a texture, read between four texels.
+    /// Each object has a texture, filtered bilinearly.
     Texture,
-    /// Lines over it.
+    /// A wireframe over it.
     Lines,
     /// The channels of an EXR.
     Channels,
 }
 
-/// All figures.
+/// All measurements.
 #[derive(Debug, Serialize)]
 struct ModeFigures {
     threads: usize,
-    /// What one thread writes to memory that the last picture left in use.
+    /// The bandwidth of one thread that writes to memory outside the caches, in 10⁹ bytes a second.
     written_gb_per_s: f64,
     modes: Vec<OfMode>,
 }
 
-/// A mode's figures.
+/// The measurements of a kind of picture.
 #[derive(Debug, Serialize)]
 struct OfMode {
     mode: &'static str,
-    /// The geometric mean over the views of a frame's time beside its visibility's.
+    /// The geometric mean over the views of frame time divided by cast time.
     frame_beside_cast: f64,
-    /// What writing a picture's bytes alone takes.
+    /// The time that writing a picture's bytes takes at that bandwidth.
     written_ms: f64,
     views: Vec<OfView>,
 }
 
-/// A mode's figures in a view: the least times.
+/// The measurements of a kind of picture in a view: the least times.
 #[derive(Debug, Serialize)]
 struct OfView {
     file: String,
@@ -147,13 +147,13 @@ pub(super) fn run(args: &BenchArgs, pool: &ThreadPool) -> Result<(), Failure> {
     })?)
 }
 
-/// Bytes of a pixel.
+/// Bytes of a pixel: 8-bit RGBA.
 const BYTES: usize = 4;
 
 /// Bytes of a pixel's other channels: colours in linear light, depth, object, triangle, normal and texture coordinates.
 const CHANNEL_BYTES: usize = 16 + 4 + 4 + 4 + 12 + 8;
 
-/// The least times of a view's visibility and of all its pictures, taken in turn after one turn that warms up.
+/// The least times of a view's visibility and of all its pictures, measured in turns after one that warms up.
 fn of_view(
     args: &BenchArgs,
     (scenes, accel): (&[Arc<Scene>; 2], &Arc<Accel>),
@@ -226,10 +226,10 @@ fn textured(scene: &Scene) -> Scene {
     scene
 }
 
-/// More bytes than caches hold, so that memory is measured.
+/// More bytes than caches hold, so that memory's bandwidth is measured and not theirs.
 const UNCACHED: usize = 1 << 28;
 
-/// How many bytes a second one thread writes to memory.
+/// The bytes a second that one thread writes to memory.
 fn written_per_second() -> f64 {
     let mut memory = vec![0u8; UNCACHED];
     let mut least = Duration::MAX;
