@@ -543,3 +543,21 @@ fn channels_are_those_of_single_samples(bench: &Bench, lattice: &Lattice, hits: 
     }
     assert!(shown > 100 && shown < count, "{shown} of {count}");
 }
+
+/// Depths and weights of triangles of a few pixels are interpolated from the corners.
+#[test]
+fn depths_of_small_triangles_come_from_hits() {
+    let placement = Placement {
+        eye: DVec3::new(0.0, 0.0, 5.0),
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+    };
+    for (side, expected) in [(5, Detail::Full), (6, Detail::Triangle)] {
+        let plane = ImagePlane::new(side, side, 0.1).expect("a good plane");
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let bench = Bench::new(vec![object(square())], camera);
+        for shown in [Mode::Depth, Mode::Barycentric] {
+            assert_eq!(bench.shader(mode(shown)).detail(), expected, "{shown:?}");
+        }
+    }
+}
