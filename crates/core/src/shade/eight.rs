@@ -4,6 +4,7 @@
 //! are the same to the bit.
 
 use super::eight_colors::EightColors;
+use super::facet::Facet;
 use super::hit_rows::{EightHits, EightNumbers, HitRows};
 use super::reflection::Surfaces;
 use super::tile::within;
@@ -13,7 +14,7 @@ use super::{TileShader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::hits::{any_misses, runs};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
-use crate::{Hits, MISS};
+use crate::{Hits, MISS, PrimitiveHit};
 use glam::Vec3;
 
 /// Opaque colours of eight samples.
@@ -82,7 +83,7 @@ impl TileShader<'_> {
                 let primitives = hits.primitives;
                 let of = (planar, rays, place);
                 if !self.interpolate(lanes, colors, of, primitives, &mut numbers) {
-                    return Eight::Light(self.one_by_one(lanes, rays, place, hits));
+                    return self.shade_eight_in_turn(lanes, rays, place, hits);
                 }
                 interpolated = numbers.with(primitives);
                 &interpolated
@@ -97,7 +98,7 @@ impl TileShader<'_> {
             }
             EightColors::Smooth | EightColors::Material => {
                 let Some((normal, own)) = self.normals_and_colors(lanes, rays, place, hits) else {
-                    return Eight::Light(self.one_by_one(lanes, rays, place, hits));
+                    return self.shade_eight_in_turn(lanes, rays, place, hits);
                 };
                 let surface = self.surface_colors(lanes, rays, place, hits, Some(own));
                 let to_eye = rays.to_eye(lanes, shader, place);
@@ -113,7 +114,7 @@ impl TileShader<'_> {
             }
             EightColors::Normals => {
                 let Some((normal, _)) = self.normals_and_colors(lanes, rays, place, hits) else {
-                    return Eight::Light(self.one_by_one(lanes, rays, place, hits));
+                    return self.shade_eight_in_turn(lanes, rays, place, hits);
                 };
                 let half = Vectors::splat(lanes, Vec3::splat(0.5));
                 return Eight::Display(normal.times(half).plus(half));
@@ -135,6 +136,43 @@ impl TileShader<'_> {
         Eight::Light(light)
     }
 
+    /// [`TileShader::shade_eight`], one by one.
+    #[inline(always)]
+    fn shade_eight_in_turn<L: Lanes>(
+        &mut self,
+        lanes: L,
+        rays: &TileRays,
+        place: (u32, u32),
+        hits: &EightHits<'_>,
+    ) -> Eight<L> {
+        let shader = self.shader();
+        let colors = self.one_by_one(rays, place, hits, |facet, (x, y), hit| {
+            let [r, g, b, _] = shader.inside(facet, x, y, hit);
+            Vec3::new(r, g, b)
+        });
+        Eight::Light(Vectors::load(lanes, &colors))
+    }
+
+    /// A colour for each of eight hits, from its triangle and its place in the picture; zero for misses.
+    #[inline(never)]
+    pub(super) fn one_by_one(
+        &mut self,
+        rays: &TileRays,
+        (column, row): (u32, u32),
+        hits: &EightHits<'_>,
+        color: impl Fn(&Facet, (f64, f64), &PrimitiveHit) -> Vec3,
+    ) -> Rows {
+        let mut colors = Rows::ZERO;
+        for lane in 0..LANES {
+            let hit = hits.get(lane);
+            if hit.primitive != MISS {
+                let place = rays.place(column + lane as u32, row);
+                colors.set(lane, color(self.facet(hit.primitive, place.0), place, &hit));
+            }
+        }
+        colors
+    }
+
     /// Colours of eight surfaces with their textures; `own` are the triangles' colours where they are known.
     #[inline(always)]
     fn surface_colors<L: Lanes>(
@@ -148,7 +186,7 @@ impl TileShader<'_> {
         let needs = self.shader().needs();
         let own = match own {
             Some(own) if !needs.varied => own,
-            _ => self.own_colors(lanes, hits),
+            _ => self.own_colors(lanes, rays, place, hits),
         };
         if needs.texture {
             self.textured(lanes, rays, place, hits, own)
@@ -247,18 +285,17 @@ impl TileShader<'_> {
 
     /// Colours of the surfaces that eight samples show, without textures.
     #[inline(always)]
-    fn own_colors<L: Lanes>(&mut self, lanes: L, hits: &EightHits<'_>) -> Vectors<L> {
+    fn own_colors<L: Lanes>(
+        &mut self,
+        lanes: L,
+        rays: &TileRays,
+        place: (u32, u32),
+        hits: &EightHits<'_>,
+    ) -> Vectors<L> {
         let shader = self.shader();
         if shader.needs().varied {
-            let mut each = Rows::ZERO;
-            for lane in 0..LANES {
-                let hit = hits.get(lane);
-                if hit.primitive != MISS {
-                    let facet = self.facet(hit.primitive, 0.0);
-                    each.set(lane, shader.own_color(facet, hit.u, hit.v));
-                }
-            }
-            return Vectors::load(lanes, &each);
+            let own = |facet: &Facet, _, hit: &PrimitiveHit| shader.own_color(facet, hit.u, hit.v);
+            return Vectors::load(lanes, &self.one_by_one(rays, place, hits, own));
         }
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
         for run in runs(hits.primitives) {

@@ -7,8 +7,7 @@ use super::hit_rows::{EightHits, EightNumbers};
 use super::interpolants::{PlanarRays, eight_weights_of};
 use super::smooth::Facets;
 use super::tile_rays::TileRays;
-use super::vectors::{Rows, Vectors};
-use crate::MISS;
+use super::vectors::Vectors;
 use crate::hits::runs;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::Vec3;
@@ -133,38 +132,5 @@ impl TileShader<'_> {
             colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
         }
         (facets, colors)
-    }
-
-    /// Colours of eight samples, one by one.
-    #[inline(always)]
-    pub(super) fn one_by_one<L: Lanes>(
-        &mut self,
-        lanes: L,
-        rays: &TileRays,
-        place: (u32, u32),
-        hits: &EightHits<'_>,
-    ) -> Vectors<L> {
-        let mut each = Rows::ZERO;
-        self.each_color(rays, place, hits, &mut each);
-        Vectors::load(lanes, &each)
-    }
-
-    #[inline(never)]
-    fn each_color(
-        &mut self,
-        rays: &TileRays,
-        (column, row): (u32, u32),
-        hits: &EightHits<'_>,
-        each: &mut Rows,
-    ) {
-        let shader = self.shader();
-        for lane in 0..LANES {
-            let hit = hits.get(lane);
-            if hit.primitive != MISS {
-                let (x, y) = rays.place(column + lane as u32, row);
-                let [r, g, b, _] = shader.inside(self.facet(hit.primitive, x), x, y, &hit);
-                each.set(lane, Vec3::new(r, g, b));
-            }
-        }
     }
 }

@@ -6,8 +6,7 @@ use super::hit_rows::EightHits;
 use super::sample::sample_eight;
 use super::tile_rays::TileRays;
 use super::triplanar::Triplanar;
-use super::vectors::{Row, Rows, Vectors};
-use crate::MISS;
+use super::vectors::{Row, Vectors};
 use crate::hits::runs;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::scene::Texture;
@@ -144,7 +143,10 @@ impl TileShader<'_> {
             return own;
         };
         let (true, Some(weights)) = (is_shared, hits.weights) else {
-            return self.textured_one_by_one(lanes, rays, place, hits);
+            let colors = self.one_by_one(rays, place, hits, |facet, place, hit| {
+                shader.surface_color(facet, || place, hit)
+            });
+            return Vectors::load(lanes, &colors);
         };
         let mut sides = Sides::default();
         match found.triplanar {
@@ -166,38 +168,5 @@ impl TileShader<'_> {
         let rest = lanes.splat(1.0) - alpha * blend;
         let mixed = own.scaled(rest).plus(texel.scaled(blend));
         own.replaced(zero.lt(is_textured), mixed)
-    }
-
-    /// [`TileShader::textured`] of any textures.
-    #[inline(always)]
-    fn textured_one_by_one<L: Lanes>(
-        &mut self,
-        lanes: L,
-        rays: &TileRays,
-        (column, row): (u32, u32),
-        hits: &EightHits<'_>,
-    ) -> Vectors<L> {
-        let mut each = Rows::ZERO;
-        self.each_surface_color(rays, (column, row), hits, &mut each);
-        Vectors::load(lanes, &each)
-    }
-
-    #[inline(never)]
-    fn each_surface_color(
-        &mut self,
-        rays: &TileRays,
-        (column, row): (u32, u32),
-        hits: &EightHits<'_>,
-        each: &mut Rows,
-    ) {
-        let shader = self.shader();
-        for lane in 0..LANES {
-            let hit = hits.get(lane);
-            if hit.primitive != MISS {
-                let facet = self.facet(hit.primitive, 0.0);
-                let place = || rays.place(column + lane as u32, row);
-                each.set(lane, shader.surface_color(facet, place, &hit));
-            }
-        }
     }
 }

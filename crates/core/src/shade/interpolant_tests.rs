@@ -11,7 +11,7 @@ use crate::triangle::row_tests::{SCENES, triangle_and_rays};
 use crate::triangle::{Nearest, PreparedRay};
 use glam::{DVec3, Vec3};
 
-/// Four units in the last place of a weight near one, and relative to t the same.
+/// Four units in the last place of a weight just below one. Twice this is four of t's, relative to t.
 const BOUND: f64 = 4.0 / (1u64 << 24) as f64;
 
 /// Counts of what became of the rays that hit.

@@ -208,7 +208,8 @@ pub(super) struct HitPlace {
 }
 
 impl Interpolants {
-    /// Of a triangle with these corners, relative to the tree's origin; `None` where rounding may move a weight by more than 2⁻²⁵.
+    /// Of a triangle with these corners, relative to the tree's origin; `None` where rounding may move a weight by more
+    /// than 2⁻²⁵.
     pub(super) fn new(rays: &PlanarRays, corners: [Vec3; 3]) -> Option<Self> {
         Self::within(LARGEST_ERROR, rays, corners)
     }
@@ -235,7 +236,8 @@ impl Interpolants {
         let scaled = |linear: Linear, scale: f64| Linear(linear.0.map(|number| number * scale));
         match rays.parallel {
             None => {
-                // W is positive where the triangle is hit, and near 1.
+                // W is positive where the triangle is hit, m/(λR): at least 1/(√3·R), and no more than 2²², since what is
+                // accurate has λ ≥ 2⁻²¹m/√3.
                 let scale = m / (reach * volume);
                 let error = error(reach, m) * (m * 3f64.sqrt());
                 let is_accurate = error <= largest_error * volume.abs();
