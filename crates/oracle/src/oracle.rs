@@ -24,7 +24,7 @@ pub struct Oracle {
     /// The index of each triangle, in the order of their numbers.
     by_number: Vec<u32>,
     /// Half-spaces that must contain a hit's point.
-    kept: Vec<HalfSpace>,
+    half_spaces: Vec<HalfSpace>,
 }
 
 impl Oracle {
@@ -38,18 +38,21 @@ impl Oracle {
             triangles,
             tree,
             by_number,
-            kept: Vec::new(),
+            half_spaces: Vec::new(),
         }
     }
 
     /// The same oracle, in which only hits inside all of these half-spaces count.
     #[must_use]
-    pub fn clipped(self, kept: Vec<HalfSpace>) -> Self {
-        Self { kept, ..self }
+    pub fn clipped(self, half_spaces: Vec<HalfSpace>) -> Self {
+        Self {
+            half_spaces,
+            ..self
+        }
     }
 
     /// The oracle of triangles given by their corners, all of object 0 and numbered in order.
-    pub fn of_corners(corners: &[[Vec3; 3]]) -> Self {
+    pub fn from_corners(corners: &[[Vec3; 3]]) -> Self {
         let triangle = |(triangle, &corners)| Triangle {
             object: 0,
             triangle: triangle as u32,
@@ -61,31 +64,36 @@ impl Oracle {
 
     /// The closest triangle that `ray` hits; ties go to the lowest object, then the lowest triangle. With
     /// `cull_backs`, only triangles whose corners run counter-clockwise as the ray sees them.
-    pub fn nearest(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
-        self.nearest_in(ray, cull_backs, &self.kept)
+    pub fn closest_hit(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
+        self.closest_hit_in(ray, cull_backs, &self.half_spaces)
     }
 
-    /// The closest of the hits for which `counts` holds.
-    pub fn nearest_where(
+    /// The closest of the hits for which `accepts` holds.
+    pub fn closest_hit_where(
         &self,
         ray: &Ray,
         cull_backs: bool,
-        counts: impl Fn(&Truth) -> bool,
+        accepts: impl Fn(&Truth) -> bool,
     ) -> Option<Truth> {
-        self.nearest_of_all(ray, cull_backs, &self.kept, counts)
+        self.closest_hit_filtered(ray, cull_backs, &self.half_spaces, accepts)
     }
 
-    /// [`Oracle::nearest`], clipped to these half-spaces instead of its own.
-    pub fn nearest_in(&self, ray: &Ray, cull_backs: bool, kept: &[HalfSpace]) -> Option<Truth> {
-        self.nearest_of_all(ray, cull_backs, kept, |_| true)
-    }
-
-    fn nearest_of_all(
+    /// [`Oracle::closest_hit`], clipped to these half-spaces instead of its own.
+    pub fn closest_hit_in(
         &self,
         ray: &Ray,
         cull_backs: bool,
-        kept: &[HalfSpace],
-        counts: impl Fn(&Truth) -> bool,
+        half_spaces: &[HalfSpace],
+    ) -> Option<Truth> {
+        self.closest_hit_filtered(ray, cull_backs, half_spaces, |_| true)
+    }
+
+    fn closest_hit_filtered(
+        &self,
+        ray: &Ray,
+        cull_backs: bool,
+        half_spaces: &[HalfSpace],
+        accepts: impl Fn(&Truth) -> bool,
     ) -> Option<Truth> {
         if !ray.is_valid() {
             return None;
@@ -96,15 +104,17 @@ impl Oracle {
             let inside = self.triangles[ball].iter();
             possible.extend(inside.filter(|triangle| !filter.misses_triangle(triangle)));
         });
-        nearest_of(possible, ray, cull_backs, kept, counts)
+        closest_of(possible, ray, cull_backs, half_spaces, accepts)
     }
 
-    /// [`Oracle::nearest`], deciding every triangle exactly, without filter and tree.
+    /// [`Oracle::closest_hit`], deciding every triangle exactly, without filter and tree.
     pub fn brute_force(&self, ray: &Ray, cull_backs: bool) -> Option<Truth> {
         if !ray.is_valid() {
             return None;
         }
-        nearest_of(&self.triangles, ray, cull_backs, &self.kept, |_| true)
+        closest_of(&self.triangles, ray, cull_backs, &self.half_spaces, |_| {
+            true
+        })
     }
 
     /// How `ray` hits the triangle with these numbers, whether or not others are nearer; `None` where it misses, or
@@ -122,7 +132,8 @@ impl Oracle {
         }
         let exact_ray = ExactRay::new(ray);
         let hit = exact_ray.hit(triangle, cull_backs)?;
-        hit.is_in(&exact_ray, &self.kept).then(|| hit.rounded(ray))
+        hit.is_in(&exact_ray, &self.half_spaces)
+            .then(|| hit.rounded(ray))
     }
 
     /// The triangle with these numbers.
@@ -141,27 +152,27 @@ impl Oracle {
     }
 }
 
-fn nearest_of<'a>(
+fn closest_of<'a>(
     triangles: impl IntoIterator<Item = &'a Triangle>,
     ray: &Ray,
     cull_backs: bool,
-    kept: &[HalfSpace],
-    counts: impl Fn(&Truth) -> bool,
+    half_spaces: &[HalfSpace],
+    accepts: impl Fn(&Truth) -> bool,
 ) -> Option<Truth> {
     let exact_ray = ExactRay::new(ray);
-    let mut nearest: Option<ExactHit<'_>> = None;
+    let mut closest_hit: Option<ExactHit<'_>> = None;
     for triangle in triangles {
         if let Some(hit) = exact_ray.hit(triangle, cull_backs)
-            && nearest
+            && closest_hit
                 .as_ref()
                 .is_none_or(|best| hit.order(best) == Ordering::Less)
-            && hit.is_in(&exact_ray, kept)
-            && counts(&hit.rounded(ray))
+            && hit.is_in(&exact_ray, half_spaces)
+            && accepts(&hit.rounded(ray))
         {
-            nearest = Some(hit);
+            closest_hit = Some(hit);
         }
     }
-    nearest.map(|hit| hit.rounded(ray))
+    closest_hit.map(|hit| hit.rounded(ray))
 }
 
 #[cfg(test)]
@@ -179,9 +190,9 @@ mod tests {
 
     #[test]
     fn a_triangle_that_pencil_and_paper_solve() {
-        let oracle = Oracle::of_corners(&[UNIT]);
+        let oracle = Oracle::from_corners(&[UNIT]);
         let hit = oracle
-            .nearest(&down(0.25, 0.5), false)
+            .closest_hit(&down(0.25, 0.5), false)
             .expect("a hit inside");
         assert_eq!((hit.object, hit.triangle), (0, 0));
         assert_eq!((hit.t, hit.u, hit.v), (5.0, 0.25, 0.5));
@@ -196,21 +207,21 @@ mod tests {
             (1.0, f64::from_bits(1), false),
             (2.0, 2.0, false),
         ] {
-            let hit = oracle.nearest(&down(x, y), false);
+            let hit = oracle.closest_hit(&down(x, y), false);
             assert_eq!(hit.is_some(), is_hit, "{x} {y}");
         }
     }
 
     #[test]
     fn the_range_begins_behind_t_min_and_includes_t_max() {
-        let oracle = Oracle::of_corners(&[UNIT]);
+        let oracle = Oracle::from_corners(&[UNIT]);
         let hit = |t_min, t_max| {
             let ray = Ray {
                 t_min,
                 t_max,
                 ..down(0.2, 0.2)
             };
-            oracle.nearest(&ray, false).is_some()
+            oracle.closest_hit(&ray, false).is_some()
         };
         assert!(hit(5f64.next_down(), 5.0));
         assert!(!hit(5.0, 9.0));
@@ -219,7 +230,7 @@ mod tests {
         assert!(!hit(0.0, f64::NAN) && !hit(0.0, f64::NEG_INFINITY));
         assert!(!hit(f64::NEG_INFINITY, 9.0) && !hit(f64::INFINITY, f64::INFINITY));
         let away = Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::Z);
-        assert_eq!(oracle.nearest(&away, false), None);
+        assert_eq!(oracle.closest_hit(&away, false), None);
         // Backwards: t counts in the opposite direction.
         let behind = |t_min, t_max| {
             let ray = Ray {
@@ -227,7 +238,7 @@ mod tests {
                 t_max,
                 ..away
             };
-            oracle.nearest(&ray, false).is_some()
+            oracle.closest_hit(&ray, false).is_some()
         };
         assert!(behind(-9.0, -5.0) && behind(-9.0, f64::INFINITY));
         assert!(!behind(-5.0, 0.0) && !behind(-9.0, (-5f64).next_down()));
@@ -235,20 +246,22 @@ mod tests {
 
     #[test]
     fn a_triangle_that_only_touches_the_eye_is_not_hit() {
-        let oracle = Oracle::of_corners(&[UNIT, UNIT.map(|p| p - Vec3::Z)]);
+        let oracle = Oracle::from_corners(&[UNIT, UNIT.map(|p| p - Vec3::Z)]);
         for eye in [
             DVec3::ZERO,
             DVec3::new(0.5, 0.0, 0.0),
             DVec3::new(0.2, 0.2, 0.0),
         ] {
             let ray = Ray::new(eye, DVec3::new(0.01, 0.02, -1.0));
-            let hit = oracle.nearest(&ray, false).expect("the one below");
+            let hit = oracle.closest_hit(&ray, false).expect("the one below");
             assert_eq!((hit.triangle, hit.t), (1, 1.0));
             let open = Ray {
                 t_min: -1e-9,
                 ..ray
             };
-            let hit = oracle.nearest(&open, false).expect("the one at the eye");
+            let hit = oracle
+                .closest_hit(&open, false)
+                .expect("the one at the eye");
             assert_eq!((hit.triangle, hit.t), (0, 0.0));
         }
     }
@@ -257,36 +270,36 @@ mod tests {
     fn fronts_run_counter_clockwise_to_the_ray() {
         // Seen from +Z, with X to the right and Y up, 0 → X → Y is counter-clockwise.
         let [a, b, c] = UNIT;
-        let front = Oracle::of_corners(&[[a, b, c]]);
-        let back = Oracle::of_corners(&[[a, c, b]]);
+        let front = Oracle::from_corners(&[[a, b, c]]);
+        let back = Oracle::from_corners(&[[a, c, b]]);
         let ray = down(0.2, 0.2);
-        assert!(front.nearest(&ray, true).is_some());
-        assert!(back.nearest(&ray, true).is_none());
+        assert!(front.closest_hit(&ray, true).is_some());
+        assert!(back.closest_hit(&ray, true).is_none());
         let from_below = Ray::new(DVec3::new(0.2, 0.2, -5.0), DVec3::Z);
-        assert!(front.nearest(&from_below, true).is_none());
-        assert!(back.nearest(&from_below, true).is_some());
+        assert!(front.closest_hit(&from_below, true).is_none());
+        assert!(back.closest_hit(&from_below, true).is_some());
     }
 
     #[test]
     fn equal_distances_go_to_the_lowest_number_and_nearer_wins() {
         let [a, b, c] = UNIT;
         let nearer = UNIT.map(|p| p + Vec3::Z * f32::EPSILON);
-        let oracle = Oracle::of_corners(&[UNIT, [b, a, c], nearer, [c, b, a]]);
-        let hit = oracle.nearest(&down(0.2, 0.2), false).expect("a hit");
+        let oracle = Oracle::from_corners(&[UNIT, [b, a, c], nearer, [c, b, a]]);
+        let hit = oracle.closest_hit(&down(0.2, 0.2), false).expect("a hit");
         assert_eq!(hit.triangle, 2);
         let from_below = Ray::new(DVec3::new(0.2, 0.2, -5.0), DVec3::Z);
-        let hit = oracle.nearest(&from_below, false).expect("a hit");
+        let hit = oracle.closest_hit(&from_below, false).expect("a hit");
         assert_eq!(hit.triangle, 0);
     }
 
     #[test]
     fn a_ray_in_the_plane_and_a_triangle_without_area_are_misses() {
-        let oracle = Oracle::of_corners(&[UNIT]);
+        let oracle = Oracle::from_corners(&[UNIT]);
         let along = Ray::new(DVec3::new(-1.0, 0.2, 0.0), DVec3::X);
-        assert_eq!(oracle.nearest(&along, false), None);
-        let flat = Oracle::of_corners(&[[Vec3::ZERO, Vec3::X, Vec3::X * 2.0], [Vec3::ONE; 3]]);
-        assert_eq!(flat.nearest(&down(0.5, 0.0), false), None);
-        assert_eq!(flat.nearest(&down(1.0, 1.0), false), None);
+        assert_eq!(oracle.closest_hit(&along, false), None);
+        let flat = Oracle::from_corners(&[[Vec3::ZERO, Vec3::X, Vec3::X * 2.0], [Vec3::ONE; 3]]);
+        assert_eq!(flat.closest_hit(&down(0.5, 0.0), false), None);
+        assert_eq!(flat.closest_hit(&down(1.0, 1.0), false), None);
     }
 
     /// The filter excludes no triangle that is hit: over many decades, with rays at the hardest targets. The truth is
@@ -305,7 +318,7 @@ mod tests {
                     std::array::from_fn(|_| (place + random.in_cube() * scale * size).as_vec3())
                 })
                 .collect();
-            let oracle = Oracle::of_corners(&corners);
+            let oracle = Oracle::from_corners(&corners);
             for _ in 0..10 {
                 let origin = middle + random.in_cube() * scale * random.decade(-1.0, 2.0);
                 let [a, b, c] = corners[random.below(40) as usize].map(|p| p.as_dvec3());
@@ -318,7 +331,7 @@ mod tests {
                 let direction = (random.nudge(target, 2) - origin) * random.decade(-9.0, 9.0);
                 let ray = Ray::new(origin, direction);
                 let plain = oracle.brute_force(&ray, false);
-                assert_eq!(oracle.nearest(&ray, false), plain, "{round}: {ray:?}");
+                assert_eq!(oracle.closest_hit(&ray, false), plain, "{round}: {ray:?}");
                 hits += u32::from(plain.is_some());
             }
         }
@@ -328,11 +341,11 @@ mod tests {
     /// Products leave the range of double precision long before coordinates do.
     #[test]
     fn origins_at_the_end_of_the_doubles_are_answered() {
-        let oracle = Oracle::of_corners(&[UNIT]);
+        let oracle = Oracle::from_corners(&[UNIT]);
         for far in [1e100, 1e155, 1e200, 1e307] {
             for target in [DVec3::new(0.25, 0.25, 0.0), DVec3::new(2.0, 2.0, 0.0)] {
                 let ray = Ray::new(target + DVec3::Z * far, DVec3::NEG_Z);
-                let truth = oracle.nearest(&ray, false);
+                let truth = oracle.closest_hit(&ray, false);
                 assert_eq!(truth, oracle.brute_force(&ray, false));
                 assert_eq!(truth.is_some(), target.x < 1.0, "{far}");
             }
@@ -343,12 +356,12 @@ mod tests {
     fn only_what_lies_in_every_half_space_counts_and_their_borders_do() {
         let below = UNIT.map(|p| p - Vec3::Z);
         let oracle = |normal: DVec3, offset| {
-            let kept = vec![HalfSpace { normal, offset }];
-            Oracle::of_corners(&[UNIT, below]).clipped(kept)
+            let half_spaces = vec![HalfSpace { normal, offset }];
+            Oracle::from_corners(&[UNIT, below]).clipped(half_spaces)
         };
         let hit = |oracle: &Oracle, x| {
             let ray = down(x, 0.25);
-            let found = oracle.nearest(&ray, false);
+            let found = oracle.closest_hit(&ray, false);
             assert_eq!(found, oracle.brute_force(&ray, false));
             found.map(|hit| hit.triangle)
         };
@@ -372,7 +385,7 @@ mod tests {
     fn a_given_triangle_is_hit_even_behind_others() {
         let [a, b, c] = UNIT;
         let nearer = UNIT.map(|p| p + Vec3::Z);
-        let oracle = Oracle::of_corners(&[UNIT, nearer, [b, b + b, c], [a, c, b]]);
+        let oracle = Oracle::from_corners(&[UNIT, nearer, [b, b + b, c], [a, c, b]]);
         let ray = down(0.25, 0.25);
         let at = |triangle, cull| oracle.intersect(0, triangle, &ray, cull).map(|hit| hit.t);
         assert_eq!(at(0, false), Some(5.0));

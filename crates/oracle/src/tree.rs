@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::ops::Range;
 
 /// The most triangles in a leaf.
-const TOGETHER: usize = 8;
+const LEAF_SIZE: usize = 8;
 
 /// A ball around the exact corners of neighbouring triangles.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl Tree {
         }
         let center = (low + high) * 0.5;
         let number = self.0.len();
-        let is_split = triangles.len() > TOGETHER;
+        let is_split = triangles.len() > LEAF_SIZE;
         self.0.push(Ball {
             center,
             radius: radius(triangles, center),

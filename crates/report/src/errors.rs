@@ -33,7 +33,7 @@ pub struct Errors {
 
 impl Errors {
     /// Compares answers to rays with the truth about these same rays.
-    pub fn of(
+    pub fn compare(
         stage: &Stage,
         caster: &dyn Caster,
         rays: &[Ray],
@@ -54,7 +54,7 @@ impl Errors {
             .zip(hits)
             .with_min_len(1024)
             .map(one)
-            .reduce(Self::default, Self::joined);
+            .reduce(Self::default, Self::merged);
         all.t_ulps.par_sort_unstable_by(f64::total_cmp);
         all
     }
@@ -82,13 +82,13 @@ impl Errors {
         };
         self.hits += 1;
         let found = caster.identify(hit.primitive);
-        let mut met = *truth;
+        let mut closest = *truth;
         if found != (truth.object, truth.triangle) {
             // The oracle's distances are rounded to double precision, so equality within that is a tie.
             match stage.intersect(found, ray, Cull::None) {
                 Some(other) if other.t == truth.t => {
                     self.ties += 1;
-                    met = other;
+                    closest = other;
                 }
                 _ => {
                     self.others += 1;
@@ -96,15 +96,18 @@ impl Errors {
                 }
             }
         }
-        if met.cosine > GRAZING {
-            self.t_ulps.push(ulps(f64::from(hit.t), met.t));
+        if closest.cosine > GRAZING {
+            self.t_ulps.push(ulps(f64::from(hit.t), closest.t));
             let off = |found: f32, truth: f64| (f64::from(found) - truth).abs();
-            self.weight = self.weight.max(off(hit.u, met.u)).max(off(hit.v, met.v));
+            self.weight = self
+                .weight
+                .max(off(hit.u, closest.u))
+                .max(off(hit.v, closest.v));
         }
     }
 
     /// Both together; the caller, or [`Errors::sum`], sorts `t`'s errors again.
-    fn joined(mut self, other: Self) -> Self {
+    fn merged(mut self, other: Self) -> Self {
         self.rays += other.rays;
         self.hits += other.hits;
         self.leaks += other.leaks;
@@ -118,7 +121,7 @@ impl Errors {
 
     /// All of them together.
     pub fn sum(all: impl IntoIterator<Item = Self>) -> Self {
-        let mut sum = all.into_iter().fold(Self::default(), Self::joined);
+        let mut sum = all.into_iter().fold(Self::default(), Self::merged);
         sum.t_ulps.sort_unstable_by(f64::total_cmp);
         sum
     }

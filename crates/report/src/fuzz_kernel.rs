@@ -16,15 +16,15 @@ use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
 
-/// The most triangles; `CORNERS` limits the corners that they share.
-const TRIANGLES: usize = 64;
-const CORNERS: usize = 24;
+/// The most triangles; `MAX_CORNERS` limits the corners that they share.
+const MAX_TRIANGLES: usize = 64;
+const MAX_CORNERS: usize = 24;
 
 /// Rays of a lattice that are compared with the oracle and brute force, besides those next to a ray that hits
 /// something else.
-const TRUTHS: usize = 24;
+const SPREAD_RAYS: usize = 24;
 /// The most of those.
-const BORDERS: usize = 40;
+const MAX_BORDER_RAYS: usize = 40;
 
 /// The scene and rays that bytes describe.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ pub fn check(bytes: &[u8]) -> Result<(), String> {
 pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
     let mut source = Source(bytes.iter());
     let points = source.points();
-    let count = 1 + source.below(TRIANGLES);
+    let count = 1 + source.below(MAX_TRIANGLES);
     let triangles = (0..count).map(|_| [(); 3].map(|()| source.below(points.len()) as u32));
     let triangles: Vec<[u32; 3]> = triangles.collect();
     let projection = source.projection();
@@ -116,26 +116,26 @@ impl Scenario {
             lattice,
             cull,
         } = self;
-        let kept = stage.kept();
-        let single = |ray: &Ray| kept.cast_primitive(ray, *cull, Precision::Exact);
+        let clipped = stage.clipped_accel();
+        let single = |ray: &Ray| clipped.cast_primitive(ray, *cull, Precision::Exact);
         let expected: Vec<PrimitiveHit> =
             (0..lattice.len()).map(|i| single(&self.ray(i))).collect();
         for simd in instruction_sets() {
             let accel = Accel::clone(&stage.accel).with_simd(simd);
             let mut found = Vec::new();
-            let kept = accel.clipped(&stage.clip());
-            kept.cast_lattice(lattice, *cull, Precision::Exact, Detail::Full, &mut found);
+            let clipped = accel.clipped(&stage.clip());
+            clipped.cast_lattice(lattice, *cull, Precision::Exact, Detail::Full, &mut found);
             let differs = (0..lattice.len()).find(|&i| found.get(i) != expected.get(i));
             if let Some(i) = differs {
                 let (found, expected) = (found.get(i), &expected[i]);
                 let name = simd.name();
-                return Err(self.told(
+                return Err(self.describe(
                     i,
                     &format!("{name} tiles gave {found:?}, the single ray {expected:?}"),
                 ));
             }
         }
-        let every = lattice.len().div_ceil(TRUTHS).max(1);
+        let every = lattice.len().div_ceil(SPREAD_RAYS).max(1);
         let spread = (0..lattice.len()).step_by(every);
         let differs = |i: usize, j: usize| {
             expected
@@ -144,7 +144,7 @@ impl Scenario {
         };
         let columns = lattice.columns as usize;
         let is_border = |&i: &usize| differs(i, i + 1) || differs(i, i + columns);
-        let borders = (0..lattice.len()).filter(is_border).take(BORDERS);
+        let borders = (0..lattice.len()).filter(is_border).take(MAX_BORDER_RAYS);
         for i in spread.chain(borders) {
             self.check_ray(i)?;
         }
@@ -154,14 +154,14 @@ impl Scenario {
     fn check_ray(&self, i: usize) -> Result<(), String> {
         let Self { stage, cull, .. } = self;
         let ray = self.ray(i);
-        let cast = stage.kept().cast(&ray, *cull);
-        let brute = stage.kept().cast_brute_force(&ray, *cull);
+        let cast = stage.clipped_accel().cast(&ray, *cull);
+        let brute = stage.clipped_accel().cast_brute_force(&ray, *cull);
         if cast != brute {
-            return Err(self.told(i, &format!("the tree gave {cast:?}, brute force {brute:?}")));
+            return Err(self.describe(i, &format!("the tree gave {cast:?}, brute force {brute:?}")));
         }
         let truth = stage.truth(&ray, *cull);
         compare(cast.as_ref(), truth.as_ref())
-            .map_err(|fault| self.told(i, &format!("{fault}: {cast:?}, in truth {truth:?}")))
+            .map_err(|fault| self.describe(i, &format!("{fault}: {cast:?}, in truth {truth:?}")))
     }
 
     fn ray(&self, i: usize) -> Ray {
@@ -170,7 +170,7 @@ impl Scenario {
     }
 
     /// A fault, with all that is needed to reproduce it.
-    fn told(&self, i: usize, fault: &str) -> String {
+    fn describe(&self, i: usize, fault: &str) -> String {
         let Self {
             stage,
             lattice,
@@ -225,7 +225,7 @@ impl Source<'_> {
             1 => DVec3::splat(1e7) * scale,
             _ => DVec3::ZERO,
         };
-        let count = 3 + self.below(CORNERS - 2);
+        let count = 3 + self.below(MAX_CORNERS - 2);
         let mut points: Vec<DVec3> = Vec::with_capacity(count);
         for _ in 0..count {
             let point = match (self.below(8), points.len()) {

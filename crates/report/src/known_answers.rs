@@ -13,16 +13,16 @@ use rayon::prelude::*;
 pub struct KnownAnswers<'a> {
     stage: &'a Stage,
     /// Rays as given, camera rays last.
-    double: Asked,
+    double: RaysWithTruth,
     /// The same, rounded.
-    single: Asked,
+    single: RaysWithTruth,
     /// The number of free rays.
     free: usize,
     pictures: Vec<(Camera, Vec<(u32, u32)>)>,
 }
 
 /// Rays, and the truth about them.
-struct Asked {
+struct RaysWithTruth {
     rays: Vec<Ray>,
     truths: Vec<Option<Truth>>,
 }
@@ -41,7 +41,7 @@ impl<'a> KnownAnswers<'a> {
         }
         let rounded = rays.iter().map(|ray| casters::rounded(ray, &stage.accel));
         let rounded = rounded.collect();
-        let ask = |rays: Vec<Ray>| Asked {
+        let with_truth = |rays: Vec<Ray>| RaysWithTruth {
             truths: rays
                 .par_iter()
                 .map(|ray| stage.truth(ray, Cull::None))
@@ -50,8 +50,8 @@ impl<'a> KnownAnswers<'a> {
         };
         Self {
             stage,
-            single: ask(rounded),
-            double: ask(rays),
+            single: with_truth(rounded),
+            double: with_truth(rays),
             free,
             pictures,
         }
@@ -68,7 +68,7 @@ impl<'a> KnownAnswers<'a> {
 
     /// A caster's errors. Brute force gets only as many rays as `tests` ray–triangle tests allow.
     pub fn errors(&self, caster: &dyn Caster, tests: usize) -> Errors {
-        let (asked, first) = match caster.rays() {
+        let (compared, first) = match caster.rays() {
             Rays::Camera => (&self.double, self.free),
             Rays::Double => (&self.double, 0),
             Rays::Single => (&self.single, 0),
@@ -77,22 +77,22 @@ impl<'a> KnownAnswers<'a> {
             Rays::Camera => {
                 let pictures = self.pictures.iter();
                 pictures
-                    .flat_map(|(camera, pixels)| pick(caster, camera, pixels))
+                    .flat_map(|(camera, pixels)| cast_pixels(caster, camera, pixels))
                     .collect()
             }
-            _ => cast(caster, &asked.rays, tests),
+            _ => cast(caster, &compared.rays, tests),
         };
         let range = first..first + hits.len();
-        let (rays, truths) = (&asked.rays[range.clone()], &asked.truths[range]);
-        Errors::of(self.stage, caster, rays, truths, &hits)
+        let (rays, truths) = (&compared.rays[range.clone()], &compared.truths[range]);
+        Errors::compare(self.stage, caster, rays, truths, &hits)
     }
 }
 
 /// A caster's answers to rays, on all workers.
 fn cast(caster: &dyn Caster, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
-    let affordable = match caster.tries() {
+    let affordable = match caster.tests_per_ray() {
         0 => rays.len(),
-        tries => rays.len().min((tests / tries).max(1)),
+        each => rays.len().min((tests / each).max(1)),
     };
     let parts: Vec<Vec<PrimitiveHit>> = rays[..affordable]
         .par_chunks(64)
@@ -106,7 +106,7 @@ fn cast(caster: &dyn Caster, rays: &[Ray], tests: usize) -> Vec<PrimitiveHit> {
 }
 
 /// A caster's answers to some pixels of a camera: the whole picture is cast, in tiles.
-fn pick(caster: &dyn Caster, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveHit> {
+fn cast_pixels(caster: &dyn Caster, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<PrimitiveHit> {
     let plane = camera.plane();
     let mut picture = vec![PrimitiveHit::NONE; plane.columns as usize * plane.rows as usize];
     let tiles = subject::tiles(camera, 1);
@@ -129,7 +129,7 @@ fn pick(caster: &dyn Caster, camera: &Camera, pixels: &[(u32, u32)]) -> Vec<Prim
 }
 
 /// Pseudorandom pixels, the same every time.
-pub fn pixels_by_lot(camera: &Camera, count: usize) -> Vec<(u32, u32)> {
+pub fn random_pixels(camera: &Camera, count: usize) -> Vec<(u32, u32)> {
     let plane = camera.plane();
     let mut random = raycast_oracle::random::Random::new(4);
     (0..count)

@@ -23,9 +23,11 @@ pub struct Machine {
 impl Machine {
     /// This machine, with `threads` worker threads.
     pub fn this(threads: usize) -> Self {
-        let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         Self {
-            processor: processor(&told).unwrap_or("unknown processor").to_owned(),
+            processor: processor(&cpuinfo)
+                .unwrap_or("unknown processor")
+                .to_owned(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             threads,
             simd: Simd::best().name(),
@@ -46,8 +48,10 @@ impl fmt::Display for Machine {
 }
 
 /// The processor's name in the text of `/proc/cpuinfo`.
-fn processor(told: &str) -> Option<&str> {
-    let line = told.lines().find(|line| line.starts_with("model name"))?;
+fn processor(cpuinfo: &str) -> Option<&str> {
+    let line = cpuinfo
+        .lines()
+        .find(|line| line.starts_with("model name"))?;
     line.split_once(':').map(|(_, name)| name.trim())
 }
 
@@ -57,8 +61,8 @@ mod tests {
 
     #[test]
     fn reads_the_processors_name() {
-        let told = "processor\t: 0\nmodel name\t: A CPU @ 2.50GHz\nflags\t\t: fpu\n";
-        assert_eq!(processor(told), Some("A CPU @ 2.50GHz"));
+        let cpuinfo = "processor\t: 0\nmodel name\t: A CPU @ 2.50GHz\nflags\t\t: fpu\n";
+        assert_eq!(processor(cpuinfo), Some("A CPU @ 2.50GHz"));
         assert_eq!(processor(""), None);
     }
 }

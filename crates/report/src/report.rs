@@ -1,7 +1,7 @@
 //! A whole report, from scenes to files.
 
 use crate::budget::ReportBudget;
-use crate::cases::time::RACES;
+use crate::cases::time::TIMED_CASES;
 use crate::embree::{Embree, EmbreeError};
 use crate::machine::Machine;
 use crate::progress::ReportProgress;
@@ -38,42 +38,42 @@ pub fn report(
 
     let embree = library.as_ref().ok();
     let sections = [
-        opening(&machine, &library),
-        ordinary(&figures, &machine, budget, embree, progress)?,
+        introduction(&machine, &library),
+        speed_against_errors(&figures, &machine, budget, embree, progress)?,
         meshes::show(&figures, budget),
-        breaks(budget, embree, progress)?,
-        speed(budget, embree, progress)?,
-        dense(inputs, budget, progress)?,
-        paid(budget, progress)?,
-        descent(inputs, budget, progress)?,
-        closing(command),
+        breaking_points(budget, embree, progress)?,
+        speed_against_size(budget, embree, progress)?,
+        ray_density(inputs, budget, progress)?,
+        feature_costs(budget, progress)?,
+        traversal_levels(inputs, budget, progress)?,
+        reproduction(command),
     ];
     files(sections, progress)
 }
 
 /// The machine, and the casters that are compared.
-fn opening(machine: &Machine, library: &Result<Arc<Embree>, EmbreeError>) -> Section {
+fn introduction(machine: &Machine, library: &Result<Arc<Embree>, EmbreeError>) -> Section {
     let mut section = Section::default();
-    section.say("# RayCast: speed against error");
-    section.say(format!("Measured on: {machine}."));
-    section.say(match library {
+    section.paragraph("# RayCast: speed against error");
+    section.paragraph(format!("Measured on: {machine}."));
+    section.paragraph(match library {
         Ok(library) => format!("Embree: version {}.", library.version()),
         Err(error) => format!("Embree is left out: {error}."),
     });
-    section.say(
+    section.paragraph(
         "Two references, never mixed. **Wrong triangles** and errors of `t`, `u`, `v` are against exact \
          rational arithmetic on the same vertices and the very rays that a caster was given (for casters in \
          single precision: rays rounded to it). **Errors of pictures** are against the same picture \
          with 256 rays a pixel. Speeds are of casters taken in turn, ray set-up and the writing of hits \
          included; medians.",
     );
-    section.say("The casters:");
-    section.say(CASTERS);
+    section.paragraph("The casters:");
+    section.paragraph(CASTERS);
     section
 }
 
 /// Speed against wrong triangles, over ordinary meshes and hard cases.
-fn ordinary(
+fn speed_against_errors(
     figures: &[meshes::MeshFigures],
     machine: &Machine,
     budget: &ReportBudget,
@@ -81,39 +81,39 @@ fn ordinary(
     progress: &dyn ReportProgress,
 ) -> Result<Section, ReportError> {
     let mut section = Section::default();
-    section.say("## A. Speed against wrong triangles");
+    section.paragraph("## A. Speed against wrong triangles");
     let names: Vec<&str> = figures.iter().map(|mesh| mesh.name.as_str()).collect();
-    section.say(format!(
+    section.paragraph(format!(
         "Over {}: speeds are geometric means, wrong triangles are added up.",
         names.join(", ")
     ));
-    let over_meshes = numerics::over_meshes(figures);
+    let mesh_summaries = numerics::summarize_meshes(figures);
     let outcomes = hard::measure(budget, embree, progress)?;
-    let over_cases = hard::over_cases(&outcomes);
+    let case_summaries = hard::summarize_cases(&outcomes);
     numerics::show(
         &mut section,
         "a-ordinary",
         "ordinary meshes",
-        &over_meshes,
+        &mesh_summaries,
         machine.threads,
     );
-    numerics::headline(&mut section, &over_meshes, &over_cases);
-    hard::show(&mut section, &outcomes, &over_cases);
+    numerics::headline(&mut section, &mesh_summaries, &case_summaries);
+    hard::show(&mut section, &outcomes, &case_summaries);
     time::show(
         &mut section,
-        &time::measure(RACES, budget.rounds.div_ceil(2), progress)?,
+        &time::measure(TIMED_CASES, budget.rounds.div_ceil(2), progress)?,
     );
     Ok(section)
 }
 
 /// The scales at which each caster breaks.
-fn breaks(
+fn breaking_points(
     budget: &ReportBudget,
     embree: Option<&Arc<Embree>>,
     progress: &dyn ReportProgress,
 ) -> Result<Section, ReportError> {
     let mut section = Section::default();
-    section.say("## B. Where each caster breaks");
+    section.paragraph("## B. Where each caster breaks");
     for sweep in breaking::BreakingSweep::ALL {
         let curves = breaking::measure(sweep, budget, embree, progress)?;
         breaking::show(&mut section, sweep, &curves);
@@ -122,15 +122,16 @@ fn breaks(
 }
 
 /// Speed against mesh size and coverage.
-fn speed(
+fn speed_against_size(
     budget: &ReportBudget,
     embree: Option<&Arc<Embree>>,
     progress: &dyn ReportProgress,
 ) -> Result<Section, ReportError> {
     let mut section = Section::default();
-    section.say("## C. The shape of speed");
-    section
-        .say("All of one bumpy ball, seen so that it fills the frame where nothing else is said.");
+    section.paragraph("## C. The shape of speed");
+    section.paragraph(
+        "All of one bumpy ball, seen so that it fills the frame where nothing else is said.",
+    );
     for sweep in shape::SpeedSweep::ALL {
         let curves = shape::measure(sweep, budget, embree, progress)?;
         shape::show(&mut section, sweep, &curves);
@@ -139,13 +140,13 @@ fn speed(
 }
 
 /// Speed against the density of rays.
-fn dense(
+fn ray_density(
     inputs: &[Input],
     budget: &ReportBudget,
     progress: &dyn ReportProgress,
 ) -> Result<Section, ReportError> {
     let mut section = Section::default();
-    section.say("## D. The density of rays");
+    section.paragraph("## D. The density of rays");
     if let Some(input) = inputs.first() {
         let pictures = density::measure(&input.name, &input.scene, budget, progress)?;
         density::show(&mut section, &pictures)?;
@@ -156,16 +157,19 @@ fn dense(
 }
 
 /// The cost of optional features.
-fn paid(budget: &ReportBudget, progress: &dyn ReportProgress) -> Result<Section, ReportError> {
+fn feature_costs(
+    budget: &ReportBudget,
+    progress: &dyn ReportProgress,
+) -> Result<Section, ReportError> {
     let mut section = Section::default();
-    section.say("## E. Pay for what is used");
+    section.paragraph("## E. Pay for what is used");
     feature_cost::show(&mut section, &feature_cost::measure(budget, progress)?);
     filters::show(&mut section, budget, &filters::measure(budget, progress)?);
     Ok(section)
 }
 
 /// A tile's traversal of the tree.
-fn descent(
+fn traversal_levels(
     inputs: &[Input],
     budget: &ReportBudget,
     progress: &dyn ReportProgress,
@@ -184,10 +188,10 @@ fn descent(
 }
 
 /// How to repeat the measurements.
-fn closing(command: &str) -> Section {
+fn reproduction(command: &str) -> Section {
     let mut section = Section::default();
-    section.say("## To measure this again");
-    section.say(format!("```sh\n{command}\n```"));
+    section.paragraph("## To measure this again");
+    section.paragraph(format!("```sh\n{command}\n```"));
     section
 }
 

@@ -156,11 +156,11 @@ mod tests {
         for (name, filter) in PixelFilter::ALL {
             for count in (1..=33).chain([64, 100, 1024]) {
                 let pattern = SamplePattern::new(count, filter);
-                let told = pattern.samples().iter();
-                let told: Vec<PlacedSample> = told
+                let actual = pattern.samples().iter();
+                let actual: Vec<PlacedSample> = actual
                     .map(|sample| (sample.offset, f64::from(sample.weight)))
                     .collect();
-                assert_eq!(sample_places(count, filter), told, "{name} {count}");
+                assert_eq!(sample_places(count, filter), actual, "{name} {count}");
             }
         }
     }

@@ -32,14 +32,14 @@ impl Stage {
     /// Those of [`Accel::build`].
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         let accel = Accel::build(&scene)?;
-        Self::of_parts(Arc::new(scene), Arc::new(accel))
+        Self::from_parts(Arc::new(scene), Arc::new(accel))
     }
 
     /// Builds the oracle of a scene and its tree.
     ///
     /// # Errors
     /// Those of [`Accel::build`].
-    pub fn of_parts(scene: Arc<Scene>, accel: Arc<Accel>) -> Result<Self, SceneError> {
+    pub fn from_parts(scene: Arc<Scene>, accel: Arc<Accel>) -> Result<Self, SceneError> {
         let oracle = Oracle::new(triangles(&scene, &accel)?);
         Ok(Self {
             has_masks: Masks::of(&scene).is_some(),
@@ -64,23 +64,24 @@ impl Stage {
     }
 
     /// The tree's triangles as the planes keep them.
-    pub fn kept(&self) -> Clipped<'_> {
+    pub fn clipped_accel(&self) -> Clipped<'_> {
         self.accel.clipped(&self.clip)
     }
 
     /// The true closest triangle that a ray hits.
     pub fn truth(&self, ray: &Ray, cull: Cull) -> Option<Truth> {
-        self.oracle.nearest(&as_given(ray), cull == Cull::Back)
+        self.oracle
+            .closest_hit(&oracle_ray(ray), cull == Cull::Back)
     }
 
-    /// The closest of a ray's hits for which `counts` holds.
+    /// The closest of a ray's hits for which `accepts` holds.
     pub(crate) fn truth_where(
         &self,
         ray: &Ray,
         cull: Cull,
-        counts: impl Fn(&Truth) -> bool,
+        accepts: impl Fn(&Truth) -> bool,
     ) -> Option<Truth> {
-        (self.oracle).nearest_where(&as_given(ray), cull == Cull::Back, counts)
+        (self.oracle).closest_hit_where(&oracle_ray(ray), cull == Cull::Back, accepts)
     }
 
     /// Whether any material is a mask.
@@ -90,8 +91,9 @@ impl Stage {
 
     /// The true closest triangle that a ray hits, clipped by these planes instead of the stage's.
     pub(crate) fn truth_within(&self, ray: &Ray, planes: &[ClippingPlane]) -> Option<Truth> {
-        let kept: Vec<_> = planes.iter().map(half_space).collect();
-        self.oracle.nearest_in(&as_given(ray), false, &kept)
+        let half_spaces: Vec<_> = planes.iter().map(half_space).collect();
+        self.oracle
+            .closest_hit_in(&oracle_ray(ray), false, &half_spaces)
     }
 
     /// How a ray hits the triangle with these numbers, whether or not others are nearer.
@@ -102,7 +104,7 @@ impl Stage {
         cull: Cull,
     ) -> Option<Truth> {
         self.oracle
-            .intersect(object, triangle, &as_given(ray), cull == Cull::Back)
+            .intersect(object, triangle, &oracle_ray(ray), cull == Cull::Back)
     }
 
     /// A view with a colour a triangle, and with layers.
@@ -144,7 +146,7 @@ fn half_space(plane: &ClippingPlane) -> HalfSpace {
 }
 
 /// The oracle's ray, with the same numbers.
-fn as_given(ray: &Ray) -> raycast_oracle::Ray {
+fn oracle_ray(ray: &Ray) -> raycast_oracle::Ray {
     raycast_oracle::Ray {
         origin: ray.origin,
         direction: ray.direction,

@@ -62,7 +62,7 @@ impl Subject {
         }
         Ok(Self {
             name: input.name.clone(),
-            stage: Stage::of_parts(Arc::clone(&input.scene), accel)?,
+            stage: Stage::from_parts(Arc::clone(&input.scene), accel)?,
             parsing: input.parsing,
             building,
             casters: all,
@@ -93,13 +93,13 @@ pub fn tiles(camera: &Camera, stride: u32) -> Vec<Lattice> {
     tiles
 }
 
-/// The stride at which a caster that tests `tries` triangles a ray takes at most `tests` tests.
-pub fn stride(camera: &Camera, tries: usize, tests: usize) -> u32 {
+/// The stride at which a caster that tests `tests_per_ray` triangles a ray takes at most `tests` tests.
+pub fn stride(camera: &Camera, tests_per_ray: usize, tests: usize) -> u32 {
     let plane = camera.plane();
-    let rays = (tests / tries.max(1)).max(1) as f64;
+    let rays = (tests / tests_per_ray.max(1)).max(1) as f64;
     let pixels = f64::from(plane.columns) * f64::from(plane.rows);
     let longest = plane.columns.min(plane.rows).max(1);
-    if tries == 0 {
+    if tests_per_ray == 0 {
         1
     } else {
         ((pixels / rays).sqrt().ceil() as u32).clamp(1, longest)

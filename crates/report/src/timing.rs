@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// The least duration of a measurement; shorter tasks are repeated. The clock's resolution is below a thousandth of
 /// it. A longer one makes the report slower, a shorter one its times noisier.
-const LONG_ENOUGH: Duration = Duration::from_millis(20);
+const MIN_DURATION: Duration = Duration::from_millis(20);
 
 /// Median and median absolute deviation of measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,7 +97,7 @@ pub fn interleaved<'a>(
         for (work, times) in works.iter_mut().zip(&mut times) {
             let (started, mut frames) = (Instant::now(), 0u32);
             // The warm-up round runs each task once.
-            while frames == 0 || (round > 0 && started.elapsed() < LONG_ENOUGH) {
+            while frames == 0 || (round > 0 && started.elapsed() < MIN_DURATION) {
                 work();
                 frames += 1;
             }
@@ -154,7 +154,7 @@ mod tests {
                 std::thread::sleep(time);
             }) as Box<dyn FnMut() + Send>
         };
-        let mut works = [work('a', LONG_ENOUGH), work('b', LONG_ENOUGH * 2)];
+        let mut works = [work('a', MIN_DURATION), work('b', MIN_DURATION * 2)];
         let spreads = interleaved(2, &mut works, &|| ());
         drop(works);
         assert_eq!(order.into_inner().expect("one thread"), "ababab");

@@ -1,6 +1,6 @@
 //! A picture's pixels against the truth, with more pixels where errors are most likely.
 
-use crate::expected::{Expected, Single, seen, shows};
+use crate::expected::{Expected, Single, closest_visible, shows};
 use crate::sample_places::{PlacedSample, sample_places};
 use crate::stage::Stage;
 use crate::wrong_answer::{GRAZING, WrongAnswer, compare_pixel};
@@ -13,7 +13,7 @@ use raycast_oracle::random::Random;
 use rayon::prelude::*;
 
 /// The most wrong pixels that are listed.
-const TOLD: usize = 5;
+const MAX_LISTED: usize = 5;
 
 /// A rectangle of a camera's picture that claims to show a scene.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ impl std::ops::AddAssign for Verification {
         self.channels += other.channels;
         self.wrong += other.wrong;
         self.first_wrong.extend(other.first_wrong);
-        self.first_wrong.truncate(TOLD);
+        self.first_wrong.truncate(MAX_LISTED);
     }
 }
 
@@ -120,18 +120,18 @@ pub fn verify(
     seed: u64,
     done: &(impl Fn(u64) + Sync),
 ) -> Verification {
-    let drawn = draw(claim, most, seed);
+    let chosen = choose_pixels(claim, most, seed);
     let samples = sample_places(claim.samples, claim.pixel_filter);
     // In a picture for two eyes each half has its eye's camera.
     let whole = || vec![(claim.camera, claim.rect)];
     let halves = (claim.camera.halves()).map_or_else(whole, |halves| halves.to_vec());
     let eyes: Vec<_> = (halves.into_iter())
         .map(|(camera, part)| {
-            let of = Expected::new(stage, (claim.camera, camera), claim.shading, claim.cull);
-            (part, of)
+            let expected = Expected::new(stage, (claim.camera, camera), claim.shading, claim.cull);
+            (part, expected)
         })
         .collect();
-    let parts: Vec<(Channels, Vec<WrongPixel>)> = drawn
+    let parts: Vec<(Channels, Vec<WrongPixel>)> = chosen
         .par_chunks(256)
         .map(|chunk| {
             let mut channels = Channels::default();
@@ -163,16 +163,16 @@ pub fn verify(
     }
     wrong.sort_unstable_by_key(|pixel| (pixel.y, pixel.x));
     let count = wrong.len();
-    wrong.truncate(TOLD);
+    wrong.truncate(MAX_LISTED);
     let count_of = |kind| {
         let is_kind = |i: &&u32| claim.kind(**i as usize) == kind;
-        drawn.iter().filter(is_kind).count()
+        chosen.iter().filter(is_kind).count()
     };
     Verification {
         pixels: claim.rect.area(),
-        checked: drawn.len(),
-        silhouettes: count_of(Kind::Silhouette),
-        edges: count_of(Kind::Edge),
+        checked: chosen.len(),
+        silhouettes: count_of(PixelKind::Silhouette),
+        edges: count_of(PixelKind::Edge),
         channels,
         wrong: count,
         first_wrong: wrong,
@@ -181,7 +181,7 @@ pub fn verify(
 
 /// What is adjacent at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum PixelKind {
     Silhouette,
     Edge,
     Inside,
@@ -195,9 +195,9 @@ impl Claim<'_> {
         (self.rect.x + column, self.rect.y + row)
     }
 
-    fn kind(&self, i: usize) -> Kind {
+    fn kind(&self, i: usize) -> PixelKind {
         let Some(layers) = &self.picture.layers else {
-            return Kind::Inside;
+            return PixelKind::Inside;
         };
         let (width, height) = (self.rect.width as usize, self.rect.height as usize);
         let (x, y) = (i % width, i / width);
@@ -207,25 +207,25 @@ impl Claim<'_> {
             (y > 0).then(|| i - width),
             (y + 1 < height).then(|| i + width),
         ];
-        let differs = |of: &[u32]| neighbours.iter().flatten().any(|&j| of[j] != of[i]);
+        let differs = |ids: &[u32]| neighbours.iter().flatten().any(|&j| ids[j] != ids[i]);
         if differs(&layers.object) {
-            Kind::Silhouette
+            PixelKind::Silhouette
         } else if differs(&layers.triangle) {
-            Kind::Edge
+            PixelKind::Edge
         } else {
-            Kind::Inside
+            PixelKind::Inside
         }
     }
 }
 
 /// The pixels to check, without repetition.
-fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
+fn choose_pixels(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
     let [mut silhouettes, mut edges, mut insides] = [const { Vec::new() }; 3];
     for i in 0..claim.rect.area() {
         match claim.kind(i) {
-            Kind::Silhouette => silhouettes.push(i as u32),
-            Kind::Edge => edges.push(i as u32),
-            Kind::Inside => insides.push(i as u32),
+            PixelKind::Silhouette => silhouettes.push(i as u32),
+            PixelKind::Edge => edges.push(i as u32),
+            PixelKind::Inside => insides.push(i as u32),
         }
     }
     let mut random = Random::new(seed);
@@ -234,11 +234,11 @@ fn draw(claim: &Claim<'_>, most: usize, seed: u64) -> Vec<u32> {
             .map(|_| from.swap_remove(random.below(from.len() as u32) as usize))
             .collect()
     };
-    let mut drawn = take(&mut silhouettes, most / 3);
-    drawn.extend(take(&mut edges, most / 3));
+    let mut chosen = take(&mut silhouettes, most / 3);
+    chosen.extend(take(&mut edges, most / 3));
     let mut rest = [silhouettes, edges, insides].concat();
-    drawn.extend(take(&mut rest, most - drawn.len()));
-    drawn
+    chosen.extend(take(&mut rest, most - chosen.len()));
+    chosen
 }
 
 /// What is wrong with a pixel, if anything; counts what was checked.
@@ -254,12 +254,12 @@ fn check(
     let truth_at = |(across, down): (f64, f64)| {
         let place = (f64::from(x) + across, f64::from(y) + down);
         let ray = eye.ray(place.0, place.1);
-        (place, seen(stage, &ray, claim.cull))
+        (place, closest_visible(stage, &ray, claim.cull))
     };
     // Where rounding may decide what a mask keeps, the truth is unknown.
     let (middle, truth) = truth_at((0.5, 0.5));
     let truth = truth?;
-    expected.look_from(&eye.seen_at(middle.0, middle.1));
+    expected.set_camera(&eye.seen_at(middle.0, middle.1));
     let layers = claim.picture.layers.as_ref();
     let found = layers
         .map_or(Ok(()), |layers| {
@@ -271,7 +271,7 @@ fn check(
             for &(place, weight) in samples {
                 let ((x, y), truth) = truth_at(place);
                 let Some(truth) = truth else { return Ok(()) };
-                expected.look_from(&eye.seen_at(x, y));
+                expected.set_camera(&eye.seen_at(x, y));
                 let [r, g, b, a] = expected.color(x, y, truth.as_ref());
                 let light = [r * a, g * a, b * a, a];
                 sums = std::array::from_fn(|channel| match weight < 0.0 {
@@ -305,7 +305,7 @@ fn check(
                 },
             }
         });
-    expected.look_from(&eye);
+    expected.set_camera(&eye);
     let fault = found.err()?;
     let shown = layers.map(|layers| (layers.object[i], layers.triangle[i], layers.depth[i]));
     Some(WrongPixel {
@@ -351,7 +351,7 @@ fn compare_channels<const N: usize>(
     expected: [Single; N],
 ) -> Result<(), WrongAnswer> {
     for ((channel, found), range) in names.into_iter().zip(found).zip(expected) {
-        if !range.has(found) {
+        if !range.contains(found) {
             return Err(WrongAnswer::Channel {
                 channel,
                 found,

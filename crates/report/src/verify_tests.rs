@@ -419,7 +419,7 @@ fn only_a_few_wrong_pixels_are_listed_and_all_are_counted() {
         pixel_filter: PixelFilter::Box,
     };
     let found = made.checked(&stage, 1000);
-    assert!(found.wrong > 500 && found.first_wrong.len() == TOLD);
+    assert!(found.wrong > 500 && found.first_wrong.len() == MAX_LISTED);
     let misses = |pixel: &&WrongPixel| pixel.fault == WrongAnswer::Miss;
     assert!(found.first_wrong.iter().filter(misses).count() > 0);
 }

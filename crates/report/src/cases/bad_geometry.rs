@@ -11,42 +11,42 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "no_area",
         theme: CaseTheme::BadGeometry,
-        trouble: "Points, lines and folded triangles among good ones: NaN, hits on nothing, numbers shifted.",
+        difficulty: "Points, lines and folded triangles among good ones: NaN, hits on nothing, numbers shifted.",
         variants: 1,
         setting: no_area,
     },
     Case {
         name: "random_bits",
         theme: CaseTheme::BadGeometry,
-        trouble: "Vertices of random bits, one index in 32 out of range: builders panic.",
+        difficulty: "Vertices of random bits, one index in 32 out of range: builders panic.",
         variants: 50,
         setting: random_bits,
     },
     Case {
         name: "one_bad_vertex",
         theme: CaseTheme::BadGeometry,
-        trouble: "One vertex that is no number takes the whole mesh with it.",
+        difficulty: "One vertex that is no number takes the whole mesh with it.",
         variants: 1,
         setting: one_bad_vertex,
     },
     Case {
         name: "rays_that_are_none",
         theme: CaseTheme::BadGeometry,
-        trouble: "NaN or infinity in a ray: a hit, or a walk through every box.",
+        difficulty: "NaN or infinity in a ray: a hit, or a walk through every box.",
         variants: 1,
         setting: rays_that_are_none,
     },
     Case {
         name: "few_triangles",
         theme: CaseTheme::BadGeometry,
-        trouble: "0, 1, 2, 3, 4 and 9 triangles: a tree of one node, or of none.",
+        difficulty: "0, 1, 2, 3, 4 and 9 triangles: a tree of one node, or of none.",
         variants: 30,
         setting: few_triangles,
     },
     Case {
         name: "copies",
         theme: CaseTheme::BadGeometry,
-        trouble: "1,000 to 100,000 copies of one triangle: builders take forever, and which one shows is chance.",
+        difficulty: "1,000 to 100,000 copies of one triangle: builders take forever, and which one shows is chance.",
         variants: 3,
         setting: copies,
     },
@@ -72,9 +72,11 @@ fn no_area(_: u32) -> Setting {
     }
     let eye = DVec3::Z * 4.0;
     let aimed_at = corners.clone();
-    Setting::of([soup(&corners)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (64, 48), 3.0)))
-        .making(move |random| {
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (64, 48), 3.0)),
+        )
+        .with_generator(move |random| {
             let origin = random.direction() * 4.0;
             let target = aimed_at[random.below(120) as usize][random.below(3) as usize];
             Ray::new(origin, target - origin)
@@ -102,9 +104,11 @@ fn random_bits(variant: u32) -> Setting {
         .collect();
     let eye = DVec3::splat(random.decade(-6.0, 6.0));
     let aimed_at = positions.clone();
-    Setting::of([mesh(positions, triangles)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (32, 24), eye.x)))
-        .making(move |random| {
+    Setting::from_meshes([mesh(positions, triangles)])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (32, 24), eye.x)),
+        )
+        .with_generator(move |random| {
             if random.below(2) == 0 {
                 let mut number = || f64::from(f32::from_bits(random.bits() as u32));
                 return Ray {
@@ -125,9 +129,11 @@ fn one_bad_vertex(_: u32) -> Setting {
     let mut positions: Vec<DVec3> = whole.positions().iter().map(|p| p.as_dvec3()).collect();
     positions[700].y = f64::NAN;
     let eye = DVec3::new(1.0, 1.0, 3.0);
-    Setting::of([mesh(positions, whole.triangles().to_vec())])
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (120, 90), 2.3)))
-        .making(|random| {
+    Setting::from_meshes([mesh(positions, whole.triangles().to_vec())])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (120, 90), 2.3)),
+        )
+        .with_generator(|random| {
             let origin = random.direction() * 3.0;
             Ray::new(origin, random.in_cube() - origin)
         })
@@ -159,9 +165,11 @@ fn rays_that_are_none(_: u32) -> Setting {
         ..good
     });
     let eye = good.origin;
-    Setting::of([meshes::sphere(DVec3::ZERO, 1.0, 60)])
-        .given(rays)
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (64, 48), 2.3)))
+    Setting::from_meshes([meshes::sphere(DVec3::ZERO, 1.0, 60)])
+        .with_rays(rays)
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (64, 48), 2.3)),
+        )
 }
 
 fn few_triangles(variant: u32) -> Setting {
@@ -169,9 +177,11 @@ fn few_triangles(variant: u32) -> Setting {
     let mut random = Random::new(2500 + u64::from(variant));
     let soup = meshes::random_soup(&mut random, count, DVec3::ZERO, 1.0, 1.0);
     let eye = DVec3::Z * 4.0;
-    Setting::of([soup])
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (40, 30), 3.0)))
-        .making(|random| {
+    Setting::from_meshes([soup])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (40, 30), 3.0)),
+        )
+        .with_generator(|random| {
             let origin = random.direction() * 3.0;
             Ray::new(origin, random.in_cube() - origin)
         })
@@ -185,7 +195,7 @@ fn copies(variant: u32) -> Setting {
     // Few rays, because every ray tests every duplicate.
     let camera = camera(eye, target, PROJECTIONS[0], (6, 4), 1.5);
     let places = [(0.2, 0.3), (0.0, 0.0), (0.5, 0.5), (0.7, 0.7)];
-    Setting::of([mesh(unit, vec![[0, 1, 2]; count])])
-        .seen([camera])
-        .given(places.map(|(x, y)| Ray::new(DVec3::new(x, y, 5.0), DVec3::NEG_Z)))
+    Setting::from_meshes([mesh(unit, vec![[0, 1, 2]; count])])
+        .with_cameras([camera])
+        .with_rays(places.map(|(x, y)| Ray::new(DVec3::new(x, y, 5.0), DVec3::NEG_Z)))
 }

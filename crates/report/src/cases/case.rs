@@ -55,7 +55,7 @@ pub struct Case {
     /// The kind of error that it provokes.
     pub theme: CaseTheme,
     /// What goes wrong in other casters, in one line.
-    pub trouble: &'static str,
+    pub difficulty: &'static str,
     /// The number of settings, at least one.
     pub variants: u32,
     /// Builds the setting of a variant below `variants`.

@@ -14,56 +14,56 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "far_sphere",
         theme: CaseTheme::Leaks,
-        trouble: "Far from the origin, rounded edges leave gaps: Embree's own test allows 2e-5 of the rays to leave.",
+        difficulty: "Far from the origin, rounded edges leave gaps: Embree's own test allows 2e-5 of the rays to leave.",
         variants: 1,
         setting: |_| far_sphere(None),
     },
     Case {
         name: "far_sphere_corners",
         theme: CaseTheme::Leaks,
-        trouble: "Rounded edge planes of one vertex do not meet in a point, so rays aimed at corners and edges pass.",
+        difficulty: "Rounded edge planes of one vertex do not meet in a point, so rays aimed at corners and edges pass.",
         variants: 1,
         setting: |_| far_sphere(Some(4)),
     },
     Case {
         name: "far_plane",
         theme: CaseTheme::Leaks,
-        trouble: "40,000 quads far from the origin: rays pass between them.",
+        difficulty: "40,000 quads far from the origin: rays pass between them.",
         variants: 1,
         setting: far_plane,
     },
     Case {
         name: "common_edge",
         theme: CaseTheme::Leaks,
-        trouble: "Rays within two units in the last place of an edge miss both of its triangles, where one path fuses a product and a sum.",
+        difficulty: "Rays within two units in the last place of an edge miss both of its triangles, where one path fuses a product and a sum.",
         variants: 100,
         setting: common_edge,
     },
     Case {
         name: "integer_heights",
         theme: CaseTheme::Leaks,
-        trouble: "Rays exactly through vertices and edges: every sign is zero somewhere.",
+        difficulty: "Rays exactly through vertices and edges: every sign is zero somewhere.",
         variants: 1,
         setting: |_| integer_heights(128),
     },
     Case {
         name: "octahedron",
         theme: CaseTheme::Leaks,
-        trouble: "Rays through the silhouette's vertices and edges are taken for misses.",
+        difficulty: "Rays through the silhouette's vertices and edges are taken for misses.",
         variants: 1,
         setting: octahedron,
     },
     Case {
         name: "horizon",
         theme: CaseTheme::Leaks,
-        trouble: "An eye just above a vast plane: holes and stripes at the horizon.",
+        difficulty: "An eye just above a vast plane: holes and stripes at the horizon.",
         variants: 1,
         setting: horizon,
     },
     Case {
         name: "small_distant_fan",
         theme: CaseTheme::Leaks,
-        trouble: "Edges a ten-thousandth of their distance long: a plain cross product of corners gets about half of the hits wrong.",
+        difficulty: "Edges a ten-thousandth of their distance long: a plain cross product of corners gets about half of the hits wrong.",
         variants: 100,
         setting: small_distant_fan,
     },
@@ -93,9 +93,9 @@ fn far_sphere(nudges: Option<u32>) -> Setting {
         camera(eye, target, Projection::Perspective, (160, 120), 12.0)
     });
     let aimed_at = sphere.clone();
-    Setting::of([sphere])
-        .seen(cameras)
-        .making(move |random| {
+    Setting::from_meshes([sphere])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
             let origin = FAR + random.direction() * random.between(0.0, 1.9);
             let Some(nudges) = nudges else {
                 return Ray::new(origin, random.direction());
@@ -103,7 +103,7 @@ fn far_sphere(nudges: Option<u32>) -> Setting {
             let target = corner_or_edge(&aimed_at, random);
             Ray::new(origin, random.nudge(target, nudges) - origin)
         })
-        .closed()
+        .must_hit()
 }
 
 fn far_plane(_: u32) -> Setting {
@@ -113,13 +113,13 @@ fn far_plane(_: u32) -> Setting {
         FAR + DVec3::new(along(x), along(y), 0.0)
     });
     let eye = FAR + DVec3::Z * 3.0;
-    Setting::of([plane])
-        .seen(PROJECTIONS.map(|projection| camera(eye, FAR, projection, (200, 200), 11.9)))
-        .making(move |random| {
+    Setting::from_meshes([plane])
+        .with_cameras(PROJECTIONS.map(|projection| camera(eye, FAR, projection, (200, 200), 11.9)))
+        .with_generator(move |random| {
             let target = FAR + random.in_cube() * DVec3::new(5.99, 5.99, 0.0);
             Ray::new(eye, (target - eye).normalize())
         })
-        .closed()
+        .must_hit()
 }
 
 fn common_edge(variant: u32) -> Setting {
@@ -141,10 +141,12 @@ fn common_edge(variant: u32) -> Setting {
         let eye = middle + front * scale;
         camera(eye, middle, projection, (40, 30), (q - p).length() * 1e-6)
     });
-    Setting::of([pair]).seen(cameras).making(move |random| {
-        let origin = random.in_cube() * scale * random.decade(0.0, 2.0);
-        Ray::new(origin, random.nudge(middle, 2) - origin)
-    })
+    Setting::from_meshes([pair])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
+            let origin = random.in_cube() * scale * random.decade(0.0, 2.0);
+            Ray::new(origin, random.nudge(middle, 2) - origin)
+        })
 }
 
 fn integer_heights(side: u32) -> Setting {
@@ -157,9 +159,9 @@ fn integer_heights(side: u32) -> Setting {
         let (eye, frame) = (center + DVec3::Z * 100.0, f64::from(side - 2));
         camera(eye, center, Projection::Orthographic, (count, count), frame)
     });
-    Setting::of([field])
-        .seen(cameras)
-        .making(move |random| {
+    Setting::from_meshes([field])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
             let mut half = || f64::from(random.below(2 * side + 1)) * 0.5;
             let origin = DVec3::new(half(), half(), 50.0);
             if random.below(2) == 0 {
@@ -168,7 +170,7 @@ fn integer_heights(side: u32) -> Setting {
                 Ray::new(origin.with_z(-50.0), DVec3::Z * 3.0)
             }
         })
-        .closed()
+        .must_hit()
 }
 
 fn octahedron(_: u32) -> Setting {
@@ -194,9 +196,9 @@ fn octahedron(_: u32) -> Setting {
     let aside = DVec3::new(1.0 / 64.0, -1.0 / 64.0, 0.0);
     let cameras = PROJECTIONS
         .map(|projection| camera(aside + DVec3::Z * 4.0, aside, projection, (96, 96), 3.0));
-    Setting::of([meshes::octahedron()])
-        .given(rays)
-        .seen(cameras)
+    Setting::from_meshes([meshes::octahedron()])
+        .with_rays(rays)
+        .with_cameras(cameras)
 }
 
 fn horizon(_: u32) -> Setting {
@@ -208,10 +210,12 @@ fn horizon(_: u32) -> Setting {
     let eye = DVec3::new(0.3, 1e-4, 0.2);
     let target = eye - DVec3::Z;
     let camera = camera(eye, target, Projection::Perspective, (64, 256), 1e-3);
-    Setting::of([plane]).seen([camera]).making(move |random| {
-        let far = random.direction().with_y(0.0) * random.decade(-3.0, 3.7);
-        Ray::new(eye, (far - eye).normalize())
-    })
+    Setting::from_meshes([plane])
+        .with_cameras([camera])
+        .with_generator(move |random| {
+            let far = random.direction().with_y(0.0) * random.decade(-3.0, 3.7);
+            Ray::new(eye, (far - eye).normalize())
+        })
 }
 
 fn small_distant_fan(variant: u32) -> Setting {
@@ -233,8 +237,10 @@ fn small_distant_fan(variant: u32) -> Setting {
     );
     let cameras =
         PROJECTIONS.map(|projection| camera(eye, middle, projection, (32, 24), scale * 2.2e-4));
-    Setting::of([fan]).seen(cameras).making(move |random| {
-        let inside = random.in_cube() * scale * 0.4e-4;
-        Ray::new(eye, (middle + inside - eye).normalize())
-    })
+    Setting::from_meshes([fan])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
+            let inside = random.in_cube() * scale * 0.4e-4;
+            Ray::new(eye, (middle + inside - eye).normalize())
+        })
 }

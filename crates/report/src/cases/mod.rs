@@ -46,7 +46,7 @@ mod tests {
         let mut names = HashSet::new();
         for case in all() {
             assert!(names.insert(case.name), "{} twice", case.name);
-            assert!(case.variants > 0 && !case.trouble.is_empty());
+            assert!(case.variants > 0 && !case.difficulty.is_empty());
             assert_eq!(find(case.name).map(|found| found.name), Some(case.name));
             let setting = (case.setting)(0);
             assert!(

@@ -15,91 +15,91 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "smaller_than_a_pixel",
         theme: CaseTheme::Packets,
-        trouble: "Triangles from a tenth of a pixel to a few: a set-up serves one ray, or none.",
+        difficulty: "Triangles from a tenth of a pixel to a few: a set-up serves one ray, or none.",
         variants: 8,
         setting: smaller_than_a_pixel,
     },
     Case {
         name: "changing_density",
         theme: CaseTheme::Packets,
-        trouble: "Cells from 1e-3 to 1e3 in one surface: no one way suits a whole tile.",
+        difficulty: "Cells from 1e-3 to 1e3 in one surface: no one way suits a whole tile.",
         variants: 4,
         setting: changing_density,
     },
     Case {
         name: "around_the_eye",
         theme: CaseTheme::Packets,
-        trouble: "Triangles through the eye and its plane: their projections turn inside out.",
+        difficulty: "Triangles through the eye and its plane: their projections turn inside out.",
         variants: 12,
         setting: around_the_eye,
     },
     Case {
         name: "edge_on",
         theme: CaseTheme::Packets,
-        trouble: "Triangles whose planes hold the eye, or all but: no side, and no depth, is sure.",
+        difficulty: "Triangles whose planes hold the eye, or all but: no side, and no depth, is sure.",
         variants: 20,
         setting: edge_on,
     },
     Case {
         name: "corners_on_pixel_centres",
         theme: CaseTheme::Packets,
-        trouble: "Corners on the centres of pixels, edges through rows of them: zeros, and ties of depth.",
+        difficulty: "Corners on the centres of pixels, edges through rows of them: zeros, and ties of depth.",
         variants: 24,
         setting: corners_on_pixel_centres,
     },
     Case {
         name: "edges_through_cell_corners",
         theme: CaseTheme::Packets,
-        trouble: "Edges through the corner rays of cells of 8 × 8 and tiles of 64 × 64: a cell is accepted whole, or not, by one ray too many.",
+        difficulty: "Edges through the corner rays of cells of 8 × 8 and tiles of 64 × 64: a cell is accepted whole, or not, by one ray too many.",
         variants: 40,
         setting: edges_through_cell_corners,
     },
     Case {
         name: "slivers_along_rows",
         theme: CaseTheme::Packets,
-        trouble: "Slivers thinner than a rounding, along rows and columns of rays: a row's bounds leave them out.",
+        difficulty: "Slivers thinner than a rounding, along rows and columns of rays: a row's bounds leave them out.",
         variants: 20,
         setting: slivers_along_rows,
     },
     Case {
         name: "surfaces_on_one_another",
         theme: CaseTheme::Packets,
-        trouble: "Surfaces a few units in the last place apart, differently cut: rounded depths are in any order.",
+        difficulty: "Surfaces a few units in the last place apart, differently cut: rounded depths are in any order.",
         variants: 12,
         setting: surfaces_on_one_another,
     },
     Case {
         name: "crossing_layers",
         theme: CaseTheme::Packets,
-        trouble: "150 layers through one another: a packet is left too early, or shows the wrong side of a crossing.",
+        difficulty: "150 layers through one another: a packet is left too early, or shows the wrong side of a crossing.",
         variants: 12,
         setting: crossing_layers,
     },
     Case {
         name: "fan_on_a_pixel",
         theme: CaseTheme::Packets,
-        trouble: "Thousands of triangles that meet in one vertex, on a pixel's centre or next to it.",
+        difficulty: "Thousands of triangles that meet in one vertex, on a pixel's centre or next to it.",
         variants: 16,
         setting: fan_on_a_pixel,
     },
     Case {
         name: "ends_of_the_range",
         theme: CaseTheme::Packets,
-        trouble: "Coordinates of 1e-37 and of 1e18: products leave single precision, if not the numbers.",
+        difficulty: "Coordinates of 1e-37 and of 1e18: products leave single precision, if not the numbers.",
         variants: 24,
         setting: ends_of_the_range,
     },
     Case {
         name: "narrow_and_wide",
         theme: CaseTheme::Packets,
-        trouble: "Views from a millionth of a degree to all but half a turn: directions all alike, or out of proportion.",
+        difficulty: "Views from a millionth of a degree to all but half a turn: directions all alike, or out of proportion.",
         variants: 20,
         setting: narrow_and_wide,
     },
     Case {
         name: "narrower_than_rounding",
         theme: CaseTheme::Packets,
-        trouble: "A view of a corner so narrow that neighbouring rays are a few roundings apart: a row of rays is no straight line.",
+        difficulty: "A view of a corner so narrow that neighbouring rays are a few roundings apart: a row of rays is no straight line.",
         variants: 24,
         setting: narrower_than_rounding,
     },
@@ -134,9 +134,9 @@ fn smaller_than_a_pixel(variant: u32) -> Setting {
         let eye = center + random.direction() * 3.0;
         camera(eye, center, projection, (pixels + 11, pixels), 2.3)
     });
-    Setting::of([bumpy(&mut random, center, 1.0, steps, bumps)])
-        .seen(cameras)
-        .culled(CULLS[variant as usize % 2])
+    Setting::from_meshes([bumpy(&mut random, center, 1.0, steps, bumps)])
+        .with_cameras(cameras)
+        .with_cull(CULLS[variant as usize % 2])
 }
 
 fn changing_density(variant: u32) -> Setting {
@@ -148,8 +148,9 @@ fn changing_density(variant: u32) -> Setting {
     let height = [1.0, 0.05, 30.0, 1000.0][variant as usize % 4];
     let target = DVec3::new(height * 0.55, height * 0.45, 0.0);
     let eye = target + DVec3::new(0.1, -0.2, 1.0) * height;
-    Setting::of([ground])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (130, 90), height)))
+    Setting::from_meshes([ground]).with_cameras(
+        PROJECTIONS.map(|projection| camera(eye, target, projection, (130, 90), height)),
+    )
 }
 
 fn around_the_eye(variant: u32) -> Setting {
@@ -178,9 +179,9 @@ fn around_the_eye(variant: u32) -> Setting {
         let height = scale * random.decade(-2.0, 2.0);
         camera(eye, target, projection, (53, 42), height)
     });
-    Setting::of([soup(&corners)])
-        .seen(cameras)
-        .culled(CULLS[variant as usize % 2])
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras(cameras)
+        .with_cull(CULLS[variant as usize % 2])
 }
 
 fn edge_on(variant: u32) -> Setting {
@@ -217,9 +218,9 @@ fn edge_on(variant: u32) -> Setting {
             camera(eye, target, projection, (64, 50), height)
         })
         .collect();
-    Setting::of([soup(&corners), floor])
-        .seen(cameras)
-        .culled(CULLS[variant as usize / 2 % 2])
+    Setting::from_meshes([soup(&corners), floor])
+        .with_cameras(cameras)
+        .with_cull(CULLS[variant as usize / 2 % 2])
 }
 
 fn corners_on_pixel_centres(variant: u32) -> Setting {
@@ -254,9 +255,11 @@ fn corners_on_pixel_centres(variant: u32) -> Setting {
     // corners.
     let aside = shift + DVec3::new(0.125, -0.125, 0.0) * scale;
     let eye = aside + DVec3::Z * 8.0 * scale;
-    Setting::of([soup(&corners)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, aside, projection, (72, 72), 18.0 * scale)))
-        .culled(CULLS[variant as usize % 2])
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, aside, projection, (72, 72), 18.0 * scale)),
+        )
+        .with_cull(CULLS[variant as usize % 2])
 }
 
 /// Triangles with an edge along the line through two corner rays of cells: a cell is covered completely, or but for
@@ -295,9 +298,9 @@ fn edges_through_cell_corners(variant: u32) -> Setting {
             [a - along * reach, b + along * reach, third]
         })
         .collect();
-    Setting::of([soup(&corners)])
-        .seen([camera])
-        .culled(CULLS[variant as usize / 12 % 2])
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras([camera])
+        .with_cull(CULLS[variant as usize / 12 % 2])
 }
 
 fn slivers_along_rows(variant: u32) -> Setting {
@@ -332,9 +335,9 @@ fn slivers_along_rows(variant: u32) -> Setting {
             }
         })
         .collect();
-    Setting::of([soup(&corners)])
-        .seen([camera])
-        .culled(CULLS[variant as usize / 4 % 2])
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras([camera])
+        .with_cull(CULLS[variant as usize / 4 % 2])
 }
 
 fn surfaces_on_one_another(variant: u32) -> Setting {
@@ -361,9 +364,9 @@ fn surfaces_on_one_another(variant: u32) -> Setting {
     let cameras = eyes.into_iter().flat_map(|eye| {
         PROJECTIONS.map(|projection| camera(eye, target, projection, (70, 58), size * 0.9))
     });
-    Setting::of(layers)
-        .seen(cameras)
-        .culled(CULLS[variant as usize % 2])
+    Setting::from_meshes(layers)
+        .with_cameras(cameras)
+        .with_cull(CULLS[variant as usize % 2])
 }
 
 fn crossing_layers(variant: u32) -> Setting {
@@ -381,9 +384,9 @@ fn crossing_layers(variant: u32) -> Setting {
         .collect();
     let eye = DVec3::new(0.2, 0.1, [4.0, -3.0, 0.5][variant as usize % 3]);
     let target = DVec3::new(0.0, 0.0, 0.51);
-    Setting::of([soup(&corners)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (67, 67), 2.0)))
-        .culled(CULLS[variant as usize % 2])
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras(PROJECTIONS.map(|projection| camera(eye, target, projection, (67, 67), 2.0)))
+        .with_cull(CULLS[variant as usize % 2])
 }
 
 fn fan_on_a_pixel(variant: u32) -> Setting {
@@ -410,7 +413,7 @@ fn fan_on_a_pixel(variant: u32) -> Setting {
         let (x, y) = (f64::from(x) - 0.5, f64::from(y) * 0.1 - 2.0);
         DVec3::new(x * 200.0, y, -1.0)
     });
-    Setting::of([fan, strip]).seen([camera])
+    Setting::from_meshes([fan, strip]).with_cameras([camera])
 }
 
 fn ends_of_the_range(variant: u32) -> Setting {
@@ -425,9 +428,9 @@ fn ends_of_the_range(variant: u32) -> Setting {
         let target = random.in_cube() * scale * 0.1;
         camera(eye, target, projection, (49, 43), scale)
     });
-    Setting::of([inside, around])
-        .seen(cameras)
-        .culled(CULLS[variant as usize / 12 % 2])
+    Setting::from_meshes([inside, around])
+        .with_cameras(cameras)
+        .with_cull(CULLS[variant as usize / 12 % 2])
 }
 
 fn narrow_and_wide(variant: u32) -> Setting {
@@ -444,10 +447,10 @@ fn narrow_and_wide(variant: u32) -> Setting {
         3 => Projection::Orthographic,
         _ => Projection::Perspective,
     };
-    Setting::of(meshes)
-        .seen([camera(eye, target, projection, (61, 45), height)])
-        .culled(CULLS[variant as usize / 2 % 2])
-        .making(move |random| Ray::new(eye, random.in_cube() * 8.0 - eye))
+    Setting::from_meshes(meshes)
+        .with_cameras([camera(eye, target, projection, (61, 45), height)])
+        .with_cull(CULLS[variant as usize / 2 % 2])
+        .with_generator(move |random| Ray::new(eye, random.in_cube() * 8.0 - eye))
 }
 
 fn narrower_than_rounding(variant: u32) -> Setting {
@@ -457,6 +460,7 @@ fn narrower_than_rounding(variant: u32) -> Setting {
     let target = corners[0];
     let eye = target + random.direction() * random.between(2.0, 9.0);
     let height = (eye - target).length() * random.decade(-13.5, -8.0);
-    Setting::of([soup(&[corners])])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 45), height)))
+    Setting::from_meshes([soup(&[corners])]).with_cameras(
+        PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 45), height)),
+    )
 }

@@ -12,28 +12,28 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "random_soups",
         theme: CaseTheme::Sameness,
-        trouble: "Random triangles over many decades: tree and brute force disagree.",
+        difficulty: "Random triangles over many decades: tree and brute force disagree.",
         variants: 30,
         setting: random_soups,
     },
     Case {
         name: "culled_sphere",
         theme: CaseTheme::Sameness,
-        trouble: "Without its back faces a closed mesh seen from outside is another picture.",
+        difficulty: "Without its back faces a closed mesh seen from outside is another picture.",
         variants: 2,
         setting: culled_sphere,
     },
     Case {
         name: "alternating_fronts",
         theme: CaseTheme::Sameness,
-        trouble: "A thousand triangles turned to and fro: culled ones hide those behind them.",
+        difficulty: "A thousand triangles turned to and fro: culled ones hide those behind them.",
         variants: 2,
         setting: alternating_fronts,
     },
     Case {
         name: "unit_triangle",
         theme: CaseTheme::Sameness,
-        trouble: "One triangle seen from one unit away: u, v and t beyond 4 · 2^-23.",
+        difficulty: "One triangle seen from one unit away: u, v and t beyond 4 · 2^-23.",
         variants: 1,
         setting: unit_triangle,
     },
@@ -52,10 +52,12 @@ fn random_soups(variant: u32) -> Setting {
     let target = middle + random.in_cube() * scale * 0.5;
     let eye = middle + random.direction() * scale * random.decade(-1.0, 1.5);
     let height = (eye - target).length() * random.decade(-2.0, 0.5);
-    Setting::of([soup])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 43), height)))
-        .culled([Cull::None, Cull::Back][variant as usize % 2])
-        .making(move |random| {
+    Setting::from_meshes([soup])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 43), height)),
+        )
+        .with_cull([Cull::None, Cull::Back][variant as usize % 2])
+        .with_generator(move |random| {
             let origin = middle + random.direction() * scale * random.decade(0.0, 2.0);
             Ray::new(origin, middle + random.in_cube() * scale - origin)
         })
@@ -63,10 +65,12 @@ fn random_soups(variant: u32) -> Setting {
 
 fn culled_sphere(variant: u32) -> Setting {
     let eye = DVec3::new(2.0, 1.5, 2.5);
-    Setting::of([meshes::sphere(DVec3::ZERO, 1.0, 60)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (200, 150), 2.3)))
-        .culled([Cull::None, Cull::Back][variant as usize % 2])
-        .making(|random| {
+    Setting::from_meshes([meshes::sphere(DVec3::ZERO, 1.0, 60)])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (200, 150), 2.3)),
+        )
+        .with_cull([Cull::None, Cull::Back][variant as usize % 2])
+        .with_generator(|random| {
             let origin = random.direction() * random.between(1.1, 9.0);
             Ray::new(origin, random.in_cube() - origin)
         })
@@ -83,18 +87,20 @@ fn alternating_fronts(variant: u32) -> Setting {
         })
         .collect();
     let eye = DVec3::new(0.1, 0.1, [20.0, -10.0][variant as usize % 2]);
-    Setting::of([soup(&corners)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (96, 96), 2.0)))
-        .culled(Cull::Back)
-        .making(move |random| Ray::new(eye, random.in_cube() - eye))
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (96, 96), 2.0)),
+        )
+        .with_cull(Cull::Back)
+        .with_generator(move |random| Ray::new(eye, random.in_cube() - eye))
 }
 
 fn unit_triangle(_: u32) -> Setting {
     let eye = DVec3::new(0.0, 0.0, -1.0);
     let target = DVec3::new(0.3, 0.3, 0.0);
-    Setting::of([soup(&[[DVec3::ZERO, DVec3::X, DVec3::Y]])])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (64, 64), 1.5)))
-        .making(move |random| {
+    Setting::from_meshes([soup(&[[DVec3::ZERO, DVec3::X, DVec3::Y]])])
+        .with_cameras(PROJECTIONS.map(|projection| camera(eye, target, projection, (64, 64), 1.5)))
+        .with_generator(move |random| {
             let (mut u, mut v) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);

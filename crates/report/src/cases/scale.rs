@@ -14,77 +14,77 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "directions_of_any_length",
         theme: CaseTheme::Scale,
-        trouble: "Directions from 1e-9 to 1e9 long: short ones are clamped, long ones overflow.",
+        difficulty: "Directions from 1e-9 to 1e9 long: short ones are clamped, long ones overflow.",
         variants: 1,
         setting: directions_of_any_length,
     },
     Case {
         name: "powers_of_two",
         theme: CaseTheme::Scale,
-        trouble: "A scene times 2^-50 to 2^40: an epsilon somewhere stands for a length.",
+        difficulty: "A scene times 2^-50 to 2^40: an epsilon somewhere stands for a length.",
         variants: 16,
         setting: powers_of_two,
     },
     Case {
         name: "coordinates_to_1e18",
         theme: CaseTheme::Scale,
-        trouble: "Products of coordinates near the end of single precision.",
+        difficulty: "Products of coordinates near the end of single precision.",
         variants: 3,
         setting: coordinates_to_1e18,
     },
     Case {
         name: "origins_beyond_the_scene",
         theme: CaseTheme::Scale,
-        trouble: "Rays that begin up to 1e300 away: products overflow, and what is not less is taken for more.",
+        difficulty: "Rays that begin up to 1e300 away: products overflow, and what is not less is taken for more.",
         variants: 1,
         setting: origins_beyond_the_scene,
     },
     Case {
         name: "half_a_trillion",
         theme: CaseTheme::Scale,
-        trouble: "A slab of 1e12 by 1e12: the ray down is lost, or its distance is.",
+        difficulty: "A slab of 1e12 by 1e12: the ray down is lost, or its distance is.",
         variants: 1,
         setting: half_a_trillion,
     },
     Case {
         name: "grazed_sliver",
         theme: CaseTheme::Scale,
-        trouble: "A sliver met at half a degree: a well-known library answered 12291 for something nearer than 600.",
+        difficulty: "A sliver met at half a degree: a well-known library answered 12291 for something nearer than 600.",
         variants: 100,
         setting: grazed_sliver,
     },
     Case {
         name: "small_thing_on_vast_ground",
         theme: CaseTheme::Scale,
-        trouble: "An object of a hundredth on a ground of a million.",
+        difficulty: "An object of a hundredth on a ground of a million.",
         variants: 1,
         setting: small_thing_on_vast_ground,
     },
     Case {
         name: "ten_million_away",
         theme: CaseTheme::Scale,
-        trouble: "A mesh and its eye at 1e7: in single precision the mesh has steps of a unit.",
+        difficulty: "A mesh and its eye at 1e7: in single precision the mesh has steps of a unit.",
         variants: 3,
         setting: ten_million_away,
     },
     Case {
         name: "next_to_what_is_stored_far_away",
         theme: CaseTheme::Scale,
-        trouble: "An eye next to one object, while all is stored relative to another at 1e7: the eye itself is rounded.",
+        difficulty: "An eye next to one object, while all is stored relative to another at 1e7: the eye itself is rounded.",
         variants: 12,
         setting: next_to_what_is_stored_far_away,
     },
     Case {
         name: "close_planes",
         theme: CaseTheme::Scale,
-        trouble: "A plane 1, 2, 4 or 8 units in the last place behind another shines through.",
+        difficulty: "A plane 1, 2, 4 or 8 units in the last place behind another shines through.",
         variants: 8,
         setting: close_planes,
     },
     Case {
         name: "feet_to_horizon",
         theme: CaseTheme::Scale,
-        trouble: "Triangles from the feet to the horizon: the near and far of a million to one in one of them.",
+        difficulty: "Triangles from the feet to the horizon: the near and far of a million to one in one of them.",
         variants: 9,
         setting: feet_to_horizon,
     },
@@ -96,12 +96,14 @@ fn directions_of_any_length(_: u32) -> Setting {
     let target = DVec3::new(0.3, 0.3, 0.0);
     let cameras = PROJECTIONS
         .map(|projection| camera(target + DVec3::Z * 5.0, target, projection, (48, 48), 1.5));
-    Setting::of([soup(&[UNIT])]).seen(cameras).making(|random| {
-        let places = [(0.2, 0.3), (0.0, 0.0), (0.5, 0.5), (0.9, 0.05), (0.6, 0.5)];
-        let (x, y) = places[random.below(5) as usize];
-        let length = random.decade(-9.0, 9.0);
-        Ray::new(DVec3::new(x, y, 5.0), DVec3::NEG_Z * length)
-    })
+    Setting::from_meshes([soup(&[UNIT])])
+        .with_cameras(cameras)
+        .with_generator(|random| {
+            let places = [(0.2, 0.3), (0.0, 0.0), (0.5, 0.5), (0.9, 0.05), (0.6, 0.5)];
+            let (x, y) = places[random.below(5) as usize];
+            let length = random.decade(-9.0, 9.0);
+            Ray::new(DVec3::new(x, y, 5.0), DVec3::NEG_Z * length)
+        })
 }
 
 fn powers_of_two(variant: u32) -> Setting {
@@ -121,9 +123,9 @@ fn powers_of_two(variant: u32) -> Setting {
         camera(eye, target, projection, (64, 48), 3.0 * size * scale)
     });
     let aimed_at = corners.clone();
-    Setting::of([soup(&corners)])
-        .seen(cameras)
-        .making(move |random| {
+    Setting::from_meshes([soup(&corners)])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
             let [a, b, c] = aimed_at[random.below(80) as usize];
             let target = [(a + b + c) / 3.0, (a + b) * 0.5, c][random.below(3) as usize];
             let origin = random.direction() * (5.0 * scale);
@@ -137,33 +139,33 @@ fn coordinates_to_1e18(variant: u32) -> Setting {
     let inside = meshes::random_soup(&mut random, 60, DVec3::ZERO, scale * 0.5, 1.0);
     let around = meshes::cuboid(DVec3::splat(-scale), DVec3::splat(scale));
     let eye = DVec3::new(0.5, 0.3, 0.9) * scale;
-    Setting::of([inside, around])
-        .seen([camera(
+    Setting::from_meshes([inside, around])
+        .with_cameras([camera(
             eye,
             DVec3::ZERO,
             Projection::Perspective,
             (64, 48),
             scale,
         )])
-        .making(move |random| {
+        .with_generator(move |random| {
             let direction = random.direction() * random.decade(-9.0, 9.0);
             Ray::new(random.in_cube() * scale, direction)
         })
-        .closed()
+        .must_hit()
 }
 
 fn origins_beyond_the_scene(_: u32) -> Setting {
     let cube = meshes::cuboid(DVec3::splat(-1.0), DVec3::ONE);
     let eye = DVec3::new(0.1, 0.2, 1e15);
-    Setting::of([cube])
-        .seen([camera(
+    Setting::from_meshes([cube])
+        .with_cameras([camera(
             eye,
             eye.with_z(0.0),
             Projection::Orthographic,
             (32, 32),
             2.5,
         )])
-        .making(|random| {
+        .with_generator(|random| {
             // Parallel to an axis: with an origin up to 1e300 away, any other direction would miss the scene.
             let axis = random.below(3) as usize;
             let mut quarter = || f64::from(random.below(11)) * 0.25 - 1.25;
@@ -197,7 +199,9 @@ fn half_a_trillion(_: u32) -> Setting {
             1e5,
         )
     });
-    Setting::of([slab]).given(rays).seen(cameras)
+    Setting::from_meshes([slab])
+        .with_rays(rays)
+        .with_cameras(cameras)
 }
 
 fn grazed_sliver(variant: u32) -> Setting {
@@ -229,9 +233,9 @@ fn grazed_sliver(variant: u32) -> Setting {
             2.0,
         )
     });
-    Setting::of([soup(&[corners])])
-        .seen(cameras)
-        .making(move |random| {
+    Setting::from_meshes([soup(&[corners])])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
             let (u, v) = (random.between(0.1, 0.4), random.between(0.1, 0.4));
             let target = a + (b - a) * u + (c - a) * v;
             let direction = lean(random.between(0.0, TAU)).normalize();
@@ -245,9 +249,9 @@ fn small_thing_on_vast_ground(_: u32) -> Setting {
     });
     let middle = DVec3::new(0.3, 0.01, 0.2);
     let eye = middle + DVec3::new(0.02, 0.03, 0.05);
-    Setting::of([ground, meshes::sphere(middle, 0.01, 24)])
-        .seen(PROJECTIONS.map(|projection| camera(eye, middle, projection, (96, 72), 0.05)))
-        .making(move |random| {
+    Setting::from_meshes([ground, meshes::sphere(middle, 0.01, 24)])
+        .with_cameras(PROJECTIONS.map(|projection| camera(eye, middle, projection, (96, 72), 0.05)))
+        .with_generator(move |random| {
             let from = random.direction() * random.decade(-2.0, 6.0);
             let origin = middle + from.with_y(from.y.abs());
             let target = middle + random.in_cube() * 0.015;
@@ -266,9 +270,9 @@ fn ten_million_away(variant: u32) -> Setting {
     let cameras = eyes.into_iter().flat_map(|eye| {
         PROJECTIONS.map(|projection| camera(by + eye, by, projection, (96, 96), 2.0))
     });
-    Setting::of([moved_sphere(by)])
-        .seen(cameras)
-        .making(move |random| {
+    Setting::from_meshes([moved_sphere(by)])
+        .with_cameras(cameras)
+        .with_generator(move |random| {
             let origin = by + random.direction() * 3.0;
             Ray::new(origin, by + random.in_cube() - origin)
         })
@@ -299,9 +303,11 @@ fn next_to_what_is_stored_far_away(variant: u32) -> Setting {
         0 => random.decade(-9.0, 1.0),
         _ => random.decade(-12.0, -9.0),
     };
-    Setting::of([first, second])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 45), height)))
-        .making(move |random| {
+    Setting::from_meshes([first, second])
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, target, projection, (61, 45), height)),
+        )
+        .with_generator(move |random| {
             let origin = target + random.direction() * random.between(1.0, 9.0);
             let (a, b) = (random.below(81) as usize, random.below(81) as usize);
             // Half of the rays aim at a corner, half at the midpoint of two corners, which is often on an edge.
@@ -330,14 +336,14 @@ fn close_planes(variant: u32) -> Setting {
     let cameras = eyes.into_iter().flat_map(|eye| {
         PROJECTIONS.map(|projection| camera(eye, target, projection, (64, 64), 1.0))
     });
-    Setting::of(meshes)
-        .seen(cameras)
-        .making(move |random| {
+    Setting::from_meshes(meshes)
+        .with_cameras(cameras)
+        .with_generator(move |random| {
             let eye = eyes[random.below(2) as usize];
             let aside = random.in_cube() * DVec3::new(0.99, 0.99, 0.0);
             Ray::new(eye, target + aside - eye)
         })
-        .closed()
+        .must_hit()
 }
 
 fn feet_to_horizon(variant: u32) -> Setting {
@@ -352,5 +358,5 @@ fn feet_to_horizon(variant: u32) -> Setting {
     let cameras = [30.0, 1.0, 1e-3].into_iter().flat_map(|frame| {
         PROJECTIONS.map(|projection| camera(eye, eye - DVec3::Z, projection, (60, 80), frame))
     });
-    Setting::of([ground, post]).seen(cameras)
+    Setting::from_meshes([ground, post]).with_cameras(cameras)
 }

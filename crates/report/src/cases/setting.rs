@@ -8,7 +8,7 @@ use raycast_oracle::random::Random;
 use std::fmt;
 
 /// Generates any number of rays from a source of random numbers.
-type Make = Box<dyn Fn(&mut Random) -> Ray + Send + Sync>;
+type Generator = Box<dyn Fn(&mut Random) -> Ray + Send + Sync>;
 
 /// A scene with rays and cameras.
 pub struct Setting {
@@ -19,16 +19,16 @@ pub struct Setting {
     /// Which sides of triangles rays can hit.
     pub cull: Cull,
     /// Whether every ray, of cameras too, must hit a triangle. A miss is then a leak.
-    pub is_closed: bool,
+    pub must_hit: bool,
     /// Fixed rays.
-    given: Vec<Ray>,
+    fixed: Vec<Ray>,
     /// Generates additional rays.
-    make: Option<Make>,
+    generator: Option<Generator>,
 }
 
 impl Setting {
     /// A setting of these meshes, each an object without a transform; it has no cameras yet.
-    pub fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self {
+    pub fn from_meshes(meshes: impl IntoIterator<Item = Mesh>) -> Self {
         Self::new(scene_of(meshes))
     }
 
@@ -38,60 +38,63 @@ impl Setting {
             scene,
             cameras: Vec::new(),
             cull: Cull::None,
-            is_closed: false,
-            given: Vec::new(),
-            make: None,
+            must_hit: false,
+            fixed: Vec::new(),
+            generator: None,
         }
     }
 
     /// Adds cameras.
-    pub fn seen(mut self, cameras: impl IntoIterator<Item = Camera>) -> Self {
+    pub fn with_cameras(mut self, cameras: impl IntoIterator<Item = Camera>) -> Self {
         self.cameras.extend(cameras);
         self
     }
 
     /// Adds fixed rays.
-    pub fn given(mut self, rays: impl IntoIterator<Item = Ray>) -> Self {
-        self.given.extend(rays);
+    pub fn with_rays(mut self, rays: impl IntoIterator<Item = Ray>) -> Self {
+        self.fixed.extend(rays);
         self
     }
 
-    /// Generates additional rays by `make`.
-    pub fn making(mut self, make: impl Fn(&mut Random) -> Ray + Send + Sync + 'static) -> Self {
-        self.make = Some(Box::new(make));
+    /// Adds a generator of any number of rays.
+    pub fn with_generator(
+        mut self,
+        generator: impl Fn(&mut Random) -> Ray + Send + Sync + 'static,
+    ) -> Self {
+        self.generator = Some(Box::new(generator));
         self
     }
 
     /// Requires every ray to hit.
-    pub fn closed(mut self) -> Self {
-        self.is_closed = true;
+    pub fn must_hit(mut self) -> Self {
+        self.must_hit = true;
         self
     }
 
     /// Sets which sides rays can hit.
-    pub fn culled(mut self, cull: Cull) -> Self {
+    pub fn with_cull(mut self, cull: Cull) -> Self {
         self.cull = cull;
         self
     }
 
     /// Whether it can generate any number of rays.
-    pub fn is_endless(&self) -> bool {
-        self.make.is_some()
+    pub fn has_generator(&self) -> bool {
+        self.generator.is_some()
     }
 
-    /// At most `most` rays: the fixed ones, then rays generated from `seed`.
-    pub fn rays(&self, most: usize, seed: u64) -> Vec<Ray> {
-        let mut rays: Vec<Ray> = self.given.iter().copied().take(most).collect();
-        if let Some(make) = &self.make {
+    /// At most `limit` rays: the fixed ones, then rays generated from `seed`.
+    pub fn rays(&self, limit: usize, seed: u64) -> Vec<Ray> {
+        let mut rays: Vec<Ray> = self.fixed.iter().copied().take(limit).collect();
+        if let Some(generator) = &self.generator {
             let mut random = Random::new(seed);
-            rays.extend((rays.len()..most).map(|_| make(&mut random)));
+            rays.extend((rays.len()..limit).map(|_| generator(&mut random)));
         }
         rays
     }
 
-    /// At most `most` camera rays, distributed evenly over the cameras and over each picture.
-    pub fn camera_rays(&self, most: usize) -> Vec<Ray> {
-        let each = most / self.cameras.len().max(1);
+    /// At most `limit` camera rays, distributed evenly over the cameras and over each picture.
+    pub fn camera_rays(&self, limit: usize) -> Vec<Ray> {
+        let each = limit / self.cameras.len().max(1);
         let mut rays = Vec::new();
         for camera in &self.cameras {
             let plane = camera.plane();
@@ -113,9 +116,9 @@ impl fmt::Debug for Setting {
             .field("objects", &self.scene.objects.len())
             .field("cameras", &self.cameras.len())
             .field("cull", &self.cull)
-            .field("is_closed", &self.is_closed)
-            .field("given", &self.given.len())
-            .field("is_endless", &self.is_endless())
+            .field("must_hit", &self.must_hit)
+            .field("fixed_rays", &self.fixed.len())
+            .field("has_generator", &self.has_generator())
             .finish()
     }
 }

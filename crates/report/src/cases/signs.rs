@@ -12,35 +12,35 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "negative_zeros",
         theme: CaseTheme::Signs,
-        trouble: "A direction of (−0, 0, −1) is not answered as (0, 0, −1) is: its inverse is −∞.",
+        difficulty: "A direction of (−0, 0, −1) is not answered as (0, 0, −1) is: its inverse is −∞.",
         variants: 1,
         setting: negative_zeros,
     },
     Case {
         name: "in_the_plane_of_a_face",
         theme: CaseTheme::Signs,
-        trouble: "A ray in the plane of a box's face: zero times infinity, and the box is lost.",
+        difficulty: "A ray in the plane of a box's face: zero times infinity, and the box is lost.",
         variants: 1,
         setting: in_the_plane_of_a_face,
     },
     Case {
         name: "eye_on_the_surface",
         theme: CaseTheme::Signs,
-        trouble: "An eye on a vertex, on an edge, in a triangle's plane or inside a mesh: NaN, or the others wrong.",
+        difficulty: "An eye on a vertex, on an edge, in a triangle's plane or inside a mesh: NaN, or the others wrong.",
         variants: 8,
         setting: eye_on_the_surface,
     },
     Case {
         name: "quads_in_one_place",
         theme: CaseTheme::Signs,
-        trouble: "Two surfaces in one place, turned either way: which one shows changes from ray to ray.",
+        difficulty: "Two surfaces in one place, turned either way: which one shows changes from ray to ray.",
         variants: 4,
         setting: quads_in_one_place,
     },
     Case {
         name: "four_triangles",
         theme: CaseTheme::Signs,
-        trouble: "Four triangles on one line of boxes: builders have looped or crashed.",
+        difficulty: "Four triangles on one line of boxes: builders have looped or crashed.",
         variants: 1,
         setting: four_triangles,
     },
@@ -54,25 +54,27 @@ fn negative_zeros(_: u32) -> Setting {
     ];
     let cameras = PROJECTIONS
         .map(|projection| camera(DVec3::Z * 5.0, DVec3::ZERO, projection, (48, 48), 3.0));
-    Setting::of(box_and_soup).seen(cameras).making(|random| {
-        let across = if random.below(3) == 0 {
-            // In the cube's face planes, some on its edges.
-            DVec3::new(1.0, f64::from(random.below(5)) * 0.5 - 1.0, 0.0)
-        } else {
-            random.in_cube() * 1.5
-        };
-        let axis = random.below(3) as usize;
-        let sign = [-1.0, 1.0][random.below(2) as usize];
-        let [x, y] = [0.0, -0.0].map(|_| [0.0, -0.0][random.below(2) as usize]);
-        let turn = |x: f64, y: f64, z: f64| {
-            let mut point = DVec3::ZERO;
-            point[axis] = z;
-            point[(axis + 1) % 3] = x;
-            point[(axis + 2) % 3] = y;
-            point
-        };
-        Ray::new(turn(across.x, across.y, -5.0 * sign), turn(x, y, sign))
-    })
+    Setting::from_meshes(box_and_soup)
+        .with_cameras(cameras)
+        .with_generator(|random| {
+            let across = if random.below(3) == 0 {
+                // In the cube's face planes, some on its edges.
+                DVec3::new(1.0, f64::from(random.below(5)) * 0.5 - 1.0, 0.0)
+            } else {
+                random.in_cube() * 1.5
+            };
+            let axis = random.below(3) as usize;
+            let sign = [-1.0, 1.0][random.below(2) as usize];
+            let [x, y] = [0.0, -0.0].map(|_| [0.0, -0.0][random.below(2) as usize]);
+            let turn = |x: f64, y: f64, z: f64| {
+                let mut point = DVec3::ZERO;
+                point[axis] = z;
+                point[(axis + 1) % 3] = x;
+                point[(axis + 2) % 3] = y;
+                point
+            };
+            Ray::new(turn(across.x, across.y, -5.0 * sign), turn(x, y, sign))
+        })
 }
 
 fn in_the_plane_of_a_face(_: u32) -> Setting {
@@ -80,10 +82,10 @@ fn in_the_plane_of_a_face(_: u32) -> Setting {
     let aside = DVec3::new(1.0 / 32.0, -1.0 / 32.0, 0.0);
     let cameras = PROJECTIONS
         .map(|projection| camera(aside + DVec3::Z * 5.0, aside, projection, (64, 64), 4.0));
-    Setting::of([meshes::cuboid(DVec3::splat(-1.0), DVec3::ONE)])
-        .given([Ray::new(DVec3::new(1.0, 0.25, 5.0), DVec3::NEG_Z)])
-        .seen(cameras)
-        .making(|random| {
+    Setting::from_meshes([meshes::cuboid(DVec3::splat(-1.0), DVec3::ONE)])
+        .with_rays([Ray::new(DVec3::new(1.0, 0.25, 5.0), DVec3::NEG_Z)])
+        .with_cameras(cameras)
+        .with_generator(|random| {
             let mut quarter = || f64::from(random.below(9)) * 0.25 - 1.0;
             let origin = DVec3::new(quarter(), quarter(), quarter());
             let axis = DVec3::AXES[random.below(3) as usize];
@@ -113,9 +115,9 @@ fn eye_on_the_surface(variant: u32) -> Setting {
     let eye = eyes[variant as usize % eyes.len()];
     let cube = meshes::cuboid(DVec3::splat(-2.0), DVec3::splat(2.0));
     let target = eye + DVec3::new(0.3, -0.5, 1.0);
-    Setting::of([sphere, cube])
-        .seen(PROJECTIONS.map(|projection| camera(eye, target, projection, (48, 32), 1.5)))
-        .making(move |random| {
+    Setting::from_meshes([sphere, cube])
+        .with_cameras(PROJECTIONS.map(|projection| camera(eye, target, projection, (48, 32), 1.5)))
+        .with_generator(move |random| {
             let direction = match random.below(4) {
                 0 => b - eye + DVec3::splat(f64::MIN_POSITIVE),
                 _ => random.direction(),
@@ -144,14 +146,16 @@ fn quads_in_one_place(variant: u32) -> Setting {
         [other, both]
     };
     let eye = DVec3::new(0.2, 0.3, 3.0);
-    Setting::of(meshes)
-        .seen(PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (64, 64), 1.5)))
-        .making(move |random| {
+    Setting::from_meshes(meshes)
+        .with_cameras(
+            PROJECTIONS.map(|projection| camera(eye, DVec3::ZERO, projection, (64, 64), 1.5)),
+        )
+        .with_generator(move |random| {
             let target = random.in_cube() * DVec3::new(0.99, 0.99, 0.0);
             Ray::new(eye, target - eye)
         })
-        .culled([Cull::None, Cull::Back][variant as usize / 2 % 2])
-        .closed()
+        .with_cull([Cull::None, Cull::Back][variant as usize / 2 % 2])
+        .must_hit()
 }
 
 fn four_triangles(_: u32) -> Setting {
@@ -166,9 +170,9 @@ fn four_triangles(_: u32) -> Setting {
     let target = p(25.6, 0.5);
     let cameras = PROJECTIONS
         .map(|projection| camera(target + DVec3::Z * 30.0, target, projection, (160, 20), 8.0));
-    Setting::of([triangles])
-        .seen(cameras)
-        .given((0..700).map(|i| {
+    Setting::from_meshes([triangles])
+        .with_cameras(cameras)
+        .with_rays((0..700).map(|i| {
             let origin = DVec3::new(f64::from(i) * 0.1 - 8.0, f64::from(i % 7) * 0.15, 5.0);
             Ray::new(origin, DVec3::NEG_Z)
         }))

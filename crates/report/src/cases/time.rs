@@ -1,5 +1,5 @@
-//! What takes other kernels, or took this one, time without bound: the answer is known, and it must come
-//! about as soon as for as many ordinary triangles in the same place.
+//! Scenes that take other kernels, or took this one, time without bound, each with as many ordinary triangles in the
+//! same place: both should take about the same time.
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::{PROJECTIONS, camera};
@@ -13,17 +13,17 @@ use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// How many times as long as ordinary triangles hostile ones should take at most.
-pub const GOAL: f64 = 20.0;
+/// The greatest ratio that the times of hostile and of ordinary triangles should have.
+pub const SLOWDOWN_GOAL: f64 = 20.0;
 
 /// A scene, and where it is seen from: eye, target, and the frame's height there.
-pub struct Seen {
+pub struct SceneView {
     /// The scene.
     pub scene: Scene,
     view: (DVec3, DVec3, f64),
 }
 
-impl Seen {
+impl SceneView {
     /// The view in a size, by a projection.
     pub fn camera(&self, projection: Projection, size: (u32, u32)) -> Camera {
         let (eye, target, height) = self.view;
@@ -32,56 +32,56 @@ impl Seen {
 }
 
 /// A hostile scene, and one of as many ordinary triangles in the same place.
-pub struct Race {
-    /// What is hard.
-    pub hostile: Seen,
-    /// What is not.
-    pub ordinary: Seen,
+pub struct ScenePair {
+    /// The scene that takes other kernels time without bound.
+    pub hostile: SceneView,
+    /// The scene to compare it with.
+    pub ordinary: SceneView,
 }
 
-/// A race of a case's name.
+/// A case of the theme `Time`, and the scenes whose times are compared.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
-    /// The case's.
+pub struct TimedCase {
+    /// The case's name.
     pub name: &'static str,
-    /// How it is put up.
-    pub race: fn() -> Race,
+    /// Makes the scenes.
+    pub scenes: fn() -> ScenePair,
 }
 
-const fn entry(name: &'static str, race: fn() -> Race) -> Entry {
-    Entry { name, race }
+const fn timed(name: &'static str, scenes: fn() -> ScenePair) -> TimedCase {
+    TimedCase { name, scenes }
 }
 
-/// All of them; those that come near [`GOAL`] say why.
-pub const RACES: &[Entry] = &[
-    entry("eye_at_a_cones_apex", cone),
-    entry("eye_at_a_vertex_of_many", shared_vertex),
-    entry("eye_on_an_edge_of_many", shared_edge),
-    entry("eye_in_planes_of_many", shared_plane),
-    entry("eye_next_to_a_vertex_of_many", next_to_vertex),
-    entry("coincident_triangles", coincident),
-    entry("copies_of_a_mesh", mesh_copies),
+/// All timed cases; those that come near [`SLOWDOWN_GOAL`] say why.
+pub const TIMED_CASES: &[TimedCase] = &[
+    timed("eye_at_a_cones_apex", cone),
+    timed("eye_at_a_vertex_of_many", shared_vertex),
+    timed("eye_on_an_edge_of_many", shared_edge),
+    timed("eye_in_planes_of_many", shared_plane),
+    timed("eye_next_to_a_vertex_of_many", next_to_vertex),
+    timed("coincident_triangles", coincident),
+    timed("copies_of_a_mesh", mesh_copies),
     // Every triangle is set up twice, and hardly any occludes another.
-    entry("exponents_of_any_size", exponents),
+    timed("exponents_of_any_size", exponents),
     // Along the silhouette of the first box cells of rays are not covered, and go through all boxes behind it.
-    entry("thin_boxes_behind_one_another", thin_boxes),
+    timed("thin_boxes_behind_one_another", thin_boxes),
     // Single precision does not tell the front from the back: each ray decides between the two.
-    entry("tiny_and_far", tiny_and_far),
-    entry("layers_in_one_plane", one_plane),
+    timed("tiny_and_far", tiny_and_far),
+    timed("layers_in_one_plane", one_plane),
     // Some 20 layers are in front at one ray or another, and each packet compares all with them.
-    entry("layers_a_rounding_apart", rounded_layers),
-    entry("layers_apart_by_subnormal_numbers", subnormal_layers),
-    entry("eye_next_to_a_corner_of_layers", next_to_layers),
+    timed("layers_a_rounding_apart", rounded_layers),
+    timed("layers_apart_by_subnormal_numbers", subnormal_layers),
+    timed("eye_next_to_a_corner_of_layers", next_to_layers),
 ];
 
 macro_rules! case {
-    ($name:literal, $race:ident, $size:expr, $trouble:literal) => {
+    ($name:literal, $scenes:ident, $size:expr, $difficulty:literal) => {
         Case {
             name: $name,
             theme: CaseTheme::Time,
-            trouble: $trouble,
+            difficulty: $difficulty,
             variants: 2,
-            setting: |variant| setting(variant, $race(), $size),
+            setting: |variant| setting(variant, $scenes(), $size),
         }
     };
 }
@@ -173,37 +173,39 @@ pub(super) const CASES: &[Case] = &[
     ),
 ];
 
-fn setting(variant: u32, race: Race, size: (u32, u32)) -> Setting {
-    let camera = race.hostile.camera(PROJECTIONS[variant as usize % 2], size);
-    Setting::new(race.hostile.scene).seen([camera])
+fn setting(variant: u32, scenes: ScenePair, size: (u32, u32)) -> Setting {
+    let camera = scenes
+        .hostile
+        .camera(PROJECTIONS[variant as usize % 2], size);
+    Setting::new(scenes.hostile.scene).with_cameras([camera])
 }
 
 const EYE: DVec3 = DVec3::new(0.25, 0.5, 3.0);
 
-fn seen_from(eye: DVec3, hostile: Scene, ordinary: Scene) -> Race {
-    let seen = |scene| Seen {
+fn pair(eye: DVec3, hostile: Scene, ordinary: Scene) -> ScenePair {
+    let view_of = |scene| SceneView {
         scene,
         view: (eye, DVec3::ZERO, 2.0),
     };
-    Race {
-        hostile: seen(hostile),
-        ordinary: seen(ordinary),
+    ScenePair {
+        hostile: view_of(hostile),
+        ordinary: view_of(ordinary),
     }
 }
 
-fn of(mesh: Mesh) -> Scene {
+fn single_mesh(mesh: Mesh) -> Scene {
     scene_of([mesh])
 }
 
-/// A number that single precision holds, so that an eye can be where a corner is.
-fn single(point: DVec3) -> DVec3 {
+/// A point that single precision represents exactly, so that an eye can be where a corner is.
+fn to_f32(point: DVec3) -> DVec3 {
     point.as_vec3().as_dvec3()
 }
 
 /// As many random triangles as this, of about this size, around the target.
 fn ordinary(count: usize, size: f64) -> Scene {
     let mut random = Random::new(410);
-    of(meshes::random_soup(
+    single_mesh(meshes::random_soup(
         &mut random,
         count as u32,
         DVec3::ZERO,
@@ -212,16 +214,16 @@ fn ordinary(count: usize, size: f64) -> Scene {
     ))
 }
 
-fn cone() -> Race {
+fn cone() -> ScenePair {
     let around = |step: u32| {
         let (sin, cos) = math::sin_cos(TAU * f64::from(step) / 64.0);
         DVec3::new(cos, sin, 0.0)
     };
     let from = |apex: DVec3| {
         let triangle = |step| [apex, around(step), around(step + 1)];
-        of(soup(&(0..64).map(triangle).collect::<Vec<_>>()))
+        single_mesh(soup(&(0..64).map(triangle).collect::<Vec<_>>()))
     };
-    seen_from(EYE, from(EYE), from(DVec3::Z * 0.5))
+    pair(EYE, from(EYE), from(DVec3::Z * 0.5))
 }
 
 /// 12 random triangles with a corner of their own.
@@ -234,58 +236,58 @@ fn random_fan(corner: impl Fn(&mut Random) -> [DVec3; 2]) -> Scene {
             [a, b, c]
         })
         .collect();
-    of(soup(&triangles))
+    single_mesh(soup(&triangles))
 }
 
-fn shared_vertex() -> Race {
+fn shared_vertex() -> ScenePair {
     let hostile = random_fan(|random| [EYE, random.in_cube() * 2.0]);
-    seen_from(EYE, hostile, ordinary(12, 1.0))
+    pair(EYE, hostile, ordinary(12, 1.0))
 }
 
-fn shared_edge() -> Race {
+fn shared_edge() -> ScenePair {
     let along = DVec3::new(0.5, -0.125, 1.0);
     let hostile = random_fan(|_| [EYE - along, EYE + along]);
-    seen_from(EYE, hostile, ordinary(12, 1.0))
+    pair(EYE, hostile, ordinary(12, 1.0))
 }
 
 /// Planes that hold the eye, and for orthographic rays the image plane.
-fn shared_plane() -> Race {
+fn shared_plane() -> ScenePair {
     let (eye, far) = (DVec3::new(0.0, 0.0, 3.0), 64.0);
     let corners: Vec<[DVec3; 3]> = (0..12)
         .map(|i| {
             let turn = TAU * f64::from(i) / 12.0;
-            let caster =
-                |turn: f64| single(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
+            let corner =
+                |turn: f64| to_f32(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
             match i % 3 {
                 // All around the eye, in the image plane.
                 0 => [
-                    caster(turn),
-                    caster(turn + TAU / 3.0),
-                    caster(turn - TAU / 3.0),
+                    corner(turn),
+                    corner(turn + TAU / 3.0),
+                    corner(turn - TAU / 3.0),
                 ],
                 // Edge-on, from the eye to far behind the target.
-                1 => [eye, caster(turn), DVec3::NEG_Z * far],
-                _ => [DVec3::Z * far, caster(turn), DVec3::NEG_Z * far],
+                1 => [eye, corner(turn), DVec3::NEG_Z * far],
+                _ => [DVec3::Z * far, corner(turn), DVec3::NEG_Z * far],
             }
             .map(|corner| if i % 3 == 0 { corner + eye } else { corner })
         })
         .collect();
     // Something to be seen behind them all.
     let behind = meshes::sphere(DVec3::ZERO, 0.5, 8);
-    seen_from(
+    pair(
         eye,
         scene_of([soup(&corners), behind]),
         ordinary(12 + 48, 1.0),
     )
 }
 
-fn next_to_vertex() -> Race {
-    let Race { hostile, ordinary } = shared_vertex();
+fn next_to_vertex() -> ScenePair {
+    let ScenePair { hostile, ordinary } = shared_vertex();
     let eye = DVec3::from_array(EYE.to_array().map(f64::next_up));
-    seen_from(eye, hostile.scene, ordinary.scene)
+    pair(eye, hostile.scene, ordinary.scene)
 }
 
-fn coincident() -> Race {
+fn coincident() -> ScenePair {
     let corners = vec![
         DVec3::new(-2.0, -2.0, 0.25),
         DVec3::new(2.0, -2.0, -0.5),
@@ -294,29 +296,33 @@ fn coincident() -> Race {
     let count = 20_000;
     let turns = [[0, 1, 2], [1, 2, 0], [2, 1, 0]];
     let triangles = (0..count).map(|i| turns[i % 3]).collect();
-    seen_from(EYE, of(mesh(corners, triangles)), ordinary(count, 1.0))
+    pair(
+        EYE,
+        single_mesh(mesh(corners, triangles)),
+        ordinary(count, 1.0),
+    )
 }
 
-fn mesh_copies() -> Race {
+fn mesh_copies() -> ScenePair {
     let sphere = Arc::new(meshes::sphere(DVec3::ZERO, 1.0, 12));
     let count = sphere.triangles().len();
     let objects = (0..1000).map(|_| Object::new("copy", Arc::clone(&sphere)));
     let hostile = Scene {
         objects: objects.collect(),
     };
-    seen_from(EYE, hostile, ordinary(1000 * count, 0.5))
+    pair(EYE, hostile, ordinary(1000 * count, 0.5))
 }
 
-fn exponents() -> Race {
+fn exponents() -> ScenePair {
     let mut random = Random::new(430);
     let mut number = || random.between(-1.0, 1.0).signum() * random.decade(-18.0, 18.0);
     let corners: Vec<[DVec3; 3]> = (0..5000)
         .map(|_| [(); 3].map(|()| DVec3::new(number(), number(), number())))
         .collect();
-    seen_from(EYE, of(soup(&corners)), ordinary(5000, 0.5))
+    pair(EYE, single_mesh(soup(&corners)), ordinary(5000, 0.5))
 }
 
-fn thin_boxes() -> Race {
+fn thin_boxes() -> ScenePair {
     let boxes = (0..30_000).map(|i| {
         let z = -1e-4 * f64::from(i);
         meshes::cuboid(DVec3::new(-1.0, -1.0, z - 1e-7), DVec3::new(1.0, 1.0, z))
@@ -329,24 +335,28 @@ fn thin_boxes() -> Race {
                 .collect::<Vec<_>>()
         })
         .collect();
-    seen_from(EYE, of(soup(&corners)), ordinary(corners.len(), 0.02))
+    pair(
+        EYE,
+        single_mesh(soup(&corners)),
+        ordinary(corners.len(), 0.02),
+    )
 }
 
 /// A sphere of 640 rays across or more, along no axis; and one as large in the picture of a camera next
 /// to it.
-fn tiny_and_far() -> Race {
-    let seen = |radius: f64| Seen {
-        scene: of(meshes::sphere(DVec3::ZERO, radius, 40)),
+fn tiny_and_far() -> ScenePair {
+    let view_of = |radius: f64| SceneView {
+        scene: single_mesh(meshes::sphere(DVec3::ZERO, radius, 40)),
         view: (DVec3::new(1.0, 2.0, 4.0), DVec3::ZERO, 3.0 * radius),
     };
-    Race {
-        hostile: seen(2e-11),
-        ordinary: seen(1.0),
+    ScenePair {
+        hostile: view_of(2e-11),
+        ordinary: view_of(1.0),
     }
 }
 
 /// Triangles of one plane that no axis lies in, around its middle.
-fn one_plane() -> Race {
+fn one_plane() -> ScenePair {
     let mut random = Random::new(440);
     let (u, v) = (DVec3::new(1.0, 0.25, -0.5), DVec3::new(-0.25, 1.0, 0.75));
     let corners: Vec<[DVec3; 3]> = (0..64)
@@ -359,7 +369,7 @@ fn one_plane() -> Race {
             })
         })
         .collect();
-    seen_from(EYE, of(soup(&corners)), ordinary(64, 1.0))
+    pair(EYE, single_mesh(soup(&corners)), ordinary(64, 1.0))
 }
 
 /// The corners of layers, as single precision holds them.
@@ -390,21 +400,21 @@ fn layers(count: usize, corners: [DVec3; 3]) -> [Scene; 2] {
     let mut random = Random::new(460);
     let mut ordinary = || corners.map(|corner| corner + random.in_cube() * 0.3);
     let ordinary: Vec<[DVec3; 3]> = (0..count).map(|_| ordinary()).collect();
-    [hostile, ordinary].map(|corners| of(soup(&corners)))
+    [hostile, ordinary].map(|corners| single_mesh(soup(&corners)))
 }
 
-fn rounded_layers() -> Race {
+fn rounded_layers() -> ScenePair {
     let [hostile, ordinary] = layers(20_000, LAYER);
-    seen_from(DVec3::Z * 3.0, hostile, ordinary)
+    pair(DVec3::Z * 3.0, hostile, ordinary)
 }
 
-fn subnormal_layers() -> Race {
+fn subnormal_layers() -> ScenePair {
     let [hostile, ordinary] = layers(2000, LAYER.map(|corner| corner.with_z(0.0)));
-    seen_from(DVec3::Z * 3.0, hostile, ordinary)
+    pair(DVec3::Z * 3.0, hostile, ordinary)
 }
 
-fn next_to_layers() -> Race {
+fn next_to_layers() -> ScenePair {
     let [hostile, ordinary] = layers(2000, LAYER);
     let away = DVec3::new(1e-8, 2e-8, 1e-7);
-    seen_from(single(LAYER[0]) + away, hostile, ordinary)
+    pair(to_f32(LAYER[0]) + away, hostile, ordinary)
 }

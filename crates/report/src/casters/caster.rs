@@ -12,7 +12,7 @@ pub trait Caster: Send + Sync {
     fn rays(&self) -> Rays;
 
     /// How many triangles it tests for every ray, if it tests all of them; 0 for a caster with a tree.
-    fn tries(&self) -> usize {
+    fn tests_per_ray(&self) -> usize {
         0
     }
 

@@ -27,25 +27,25 @@ impl<const N: usize> Embree<N> {
 }
 
 /// Intersects the `N` rays of a packet.
-pub(super) trait Cast {
+pub(super) trait CastPacket {
     fn cast(&mut self, scene: &EmbreeScene, coherent: bool);
 }
 
-impl Cast for Packet<1> {
+impl CastPacket for Packet<1> {
     #[inline(always)]
     fn cast(&mut self, scene: &EmbreeScene, coherent: bool) {
         scene.cast_1(self, coherent);
     }
 }
 
-impl Cast for Packet<8> {
+impl CastPacket for Packet<8> {
     #[inline(always)]
     fn cast(&mut self, scene: &EmbreeScene, coherent: bool) {
         scene.cast_8(self, coherent);
     }
 }
 
-impl Cast for Packet<16> {
+impl CastPacket for Packet<16> {
     #[inline(always)]
     fn cast(&mut self, scene: &EmbreeScene, coherent: bool) {
         scene.cast_16(self, coherent);
@@ -77,7 +77,7 @@ fn hit<const N: usize>(packet: &Packet<N>, lane: usize) -> PrimitiveHit {
 
 impl<const N: usize> Embree<N>
 where
-    Packet<N>: Cast,
+    Packet<N>: CastPacket,
 {
     /// Casts a camera's rays in packets of neighbours, as square as `N` allows, with Embree's flag for coherent
     /// rays. Calls `keep` with the packet, the lane, and the ray's index in the lattice.
@@ -156,7 +156,7 @@ where
 
 impl<const N: usize> Caster for Embree<N>
 where
-    Packet<N>: Cast,
+    Packet<N>: CastPacket,
 {
     fn name(&self) -> &str {
         &self.name

@@ -1,6 +1,6 @@
 //! Brute force: every triangle for every ray.
 
-use super::one_ray::{OneRay, OwnRay};
+use super::one_ray::{CasterRay, SingleRay};
 use super::triangle::{ClosestHit, TriangleTest};
 use super::vector::Vector;
 use raycast_core::{Accel, PrimitiveHit};
@@ -26,14 +26,14 @@ impl<T: TriangleTest> List<T> {
     }
 }
 
-impl<T: TriangleTest> OneRay for List<T> {
+impl<T: TriangleTest> SingleRay for List<T> {
     type V = T::V;
 
-    fn tries(&self) -> usize {
+    fn tests_per_ray(&self) -> usize {
         self.triangles.len()
     }
 
-    fn nearest(&self, ray: &OwnRay<T::V>) -> PrimitiveHit {
+    fn nearest(&self, ray: &CasterRay<T::V>) -> PrimitiveHit {
         let mut nearest = ClosestHit::none(ray);
         let ray = T::prepare(ray);
         for (triangle, primitive) in &self.triangles {

@@ -27,7 +27,7 @@ use list::List;
 use moller_trumbore::MollerTrumbore;
 use obvhs_bvh2::ObvhsBvh2;
 use obvhs_cwbvh::ObvhsCwBvh;
-use one_ray::OneAfterAnother;
+use one_ray::SingleRayCaster;
 use plane_inside::PlaneInside;
 use raycast_core::glam::{DVec3, Vec3};
 use raycast_core::{Accel, Precision, Simd};
@@ -59,8 +59,12 @@ pub fn instruction_sets() -> Vec<Simd> {
         .collect()
 }
 
-fn caster<T: one_ray::OneRay + 'static>(name: &str, accel: &Arc<Accel>, one: T) -> Box<dyn Caster> {
-    Box::new(OneAfterAnother::new(name, accel, one))
+fn caster<T: one_ray::SingleRay + 'static>(
+    name: &str,
+    accel: &Arc<Accel>,
+    one: T,
+) -> Box<dyn Caster> {
+    Box::new(SingleRayCaster::new(name, accel, one))
 }
 
 /// All casters that are not RayCast's, except Embree.
@@ -176,7 +180,7 @@ mod tests {
         for caster in all(&stage.accel) {
             let mut hits = Vec::new();
             caster.cast(&rays, &mut hits);
-            let errors = Errors::of(&stage, caster.as_ref(), &rays, &truths, &hits);
+            let errors = Errors::compare(&stage, caster.as_ref(), &rays, &truths, &hits);
             let name = caster.name();
             assert_eq!(
                 (errors.wrong(), errors.rays, errors.hits),
@@ -201,7 +205,7 @@ mod tests {
     fn ranges_are_kept() {
         let stage = stage();
         let rays = easy_rays(&stage);
-        let beyond = |ray: &Ray| {
+        let out_of_range = |ray: &Ray| {
             let t = stage.truth(ray, Cull::None).expect("a hit").t;
             let origin = ray.origin;
             let (short, late) = (t * 0.999, t * 1.001);
@@ -218,12 +222,12 @@ mod tests {
                 },
             ]
         };
-        let rays: Vec<Ray> = rays[..40].iter().flat_map(beyond).collect();
+        let rays: Vec<Ray> = rays[..40].iter().flat_map(out_of_range).collect();
         for caster in all(&stage.accel) {
             let mut hits = Vec::new();
             caster.cast(&rays, &mut hits);
-            let met = hits.iter().filter(|hit| !hit.is_miss()).count();
-            assert_eq!(met, 0, "{}", caster.name());
+            let hit_count = hits.iter().filter(|hit| !hit.is_miss()).count();
+            assert_eq!(hit_count, 0, "{}", caster.name());
         }
     }
 

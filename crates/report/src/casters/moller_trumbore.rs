@@ -2,7 +2,7 @@
 //! the variant without culling. The paper's epsilon for rays parallel to the triangle, 1e-6, is left out: it
 //! depends on the scene's units, and every small triangle would be missed.
 
-use super::one_ray::OwnRay;
+use super::one_ray::CasterRay;
 use super::triangle::{Intersection, TriangleTest};
 use super::vector::Vector;
 use num_traits::{One, Zero};
@@ -14,7 +14,7 @@ pub(super) struct MollerTrumbore<V> {
 
 impl<V: Vector> TriangleTest for MollerTrumbore<V> {
     type V = V;
-    type Ray = OwnRay<V>;
+    type Ray = CasterRay<V>;
 
     fn new([a, b, c]: [V; 3]) -> Self {
         Self {
@@ -23,12 +23,12 @@ impl<V: Vector> TriangleTest for MollerTrumbore<V> {
         }
     }
 
-    fn prepare(ray: &OwnRay<V>) -> OwnRay<V> {
+    fn prepare(ray: &CasterRay<V>) -> CasterRay<V> {
         *ray
     }
 
     #[inline(always)]
-    fn intersect(&self, ray: &OwnRay<V>) -> Option<Intersection<V::Real>> {
+    fn intersect(&self, ray: &CasterRay<V>) -> Option<Intersection<V::Real>> {
         let (zero, one) = (V::Real::zero(), V::Real::one());
         let [to_b, to_c] = self.edges;
         let p = ray.direction.cross(to_c);

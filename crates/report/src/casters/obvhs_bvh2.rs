@@ -1,7 +1,7 @@
 //! obvhs's binary BVH and triangle test, used as its examples recommend.
 
 use super::obvhs_triangles::{Triangles, to_obvhs};
-use super::one_ray::{OneRay, OwnRay};
+use super::one_ray::{CasterRay, SingleRay};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
@@ -18,7 +18,7 @@ pub(super) struct ObvhsBvh2 {
 impl ObvhsBvh2 {
     /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::of`].
     pub(super) fn new(accel: &Accel) -> Option<Self> {
-        let unordered = Triangles::of(accel)?;
+        let unordered = Triangles::from_accel(accel)?;
         let bvh = build_bvh2_from_tris(
             &unordered,
             BvhBuildParams::medium_build(),
@@ -29,10 +29,10 @@ impl ObvhsBvh2 {
     }
 }
 
-impl OneRay for ObvhsBvh2 {
+impl SingleRay for ObvhsBvh2 {
     type V = Vec3;
 
-    fn nearest(&self, ray: &OwnRay<Vec3>) -> PrimitiveHit {
+    fn nearest(&self, ray: &CasterRay<Vec3>) -> PrimitiveHit {
         let ray = to_obvhs(ray);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |ray, index| {

@@ -2,7 +2,7 @@
 //! Compressed Wide BVHs", 2017) and triangle test, used as its examples recommend.
 
 use super::obvhs_triangles::{Triangles, to_obvhs};
-use super::one_ray::{OneRay, OwnRay};
+use super::one_ray::{CasterRay, SingleRay};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
@@ -19,7 +19,7 @@ pub(super) struct ObvhsCwBvh {
 impl ObvhsCwBvh {
     /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::of`].
     pub(super) fn new(accel: &Accel) -> Option<Self> {
-        let unordered = Triangles::of(accel)?;
+        let unordered = Triangles::from_accel(accel)?;
         let bvh = build_cwbvh_from_tris(
             &unordered,
             BvhBuildParams::medium_build(),
@@ -30,10 +30,10 @@ impl ObvhsCwBvh {
     }
 }
 
-impl OneRay for ObvhsCwBvh {
+impl SingleRay for ObvhsCwBvh {
     type V = Vec3;
 
-    fn nearest(&self, ray: &OwnRay<Vec3>) -> PrimitiveHit {
+    fn nearest(&self, ray: &CasterRay<Vec3>) -> PrimitiveHit {
         let ray = to_obvhs(ray);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |ray, index| {

@@ -1,6 +1,6 @@
 //! What both of obvhs's trees use: its triangle test, its rays, its hits.
 
-use super::one_ray::OwnRay;
+use super::one_ray::CasterRay;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
@@ -20,7 +20,7 @@ pub(super) struct Triangles {
 impl Triangles {
     /// A scene's triangles in obvhs's form. `None` if its builder cannot handle them: none at all, many duplicates,
     /// or coordinates so large or small that the areas of boxes overflow or underflow in single precision.
-    pub(super) fn of(accel: &Accel) -> Option<Vec<Triangle>> {
+    pub(super) fn from_accel(accel: &Accel) -> Option<Vec<Triangle>> {
         let corners: Vec<[Vec3; 3]> = (0..accel.len() as u32).map(|s| accel.corners(s)).collect();
         let reach = corners.iter().flatten().map(|c| c.abs().max_element());
         let reach = reach.fold(0.0, f32::max);
@@ -74,7 +74,7 @@ impl Triangles {
 }
 
 /// A ray in obvhs's form.
-pub(super) fn to_obvhs(ray: &OwnRay<Vec3>) -> Ray {
+pub(super) fn to_obvhs(ray: &CasterRay<Vec3>) -> Ray {
     Ray::new(
         ray.origin.into(),
         ray.direction.into(),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// A ray in the precision of a caster, relative to the tree's origin.
 #[derive(Clone, Copy)]
-pub(super) struct OwnRay<V: Vector> {
+pub(super) struct CasterRay<V: Vector> {
     pub(super) origin: V,
     pub(super) direction: V,
     pub(super) t_min: V::Real,
@@ -17,28 +17,28 @@ pub(super) struct OwnRay<V: Vector> {
 }
 
 /// Finds the nearest triangle of a single ray.
-pub(super) trait OneRay: Send + Sync {
+pub(super) trait SingleRay: Send + Sync {
     /// The precision of its rays.
     type V: Vector;
 
-    /// As [`Caster::tries`].
-    fn tries(&self) -> usize {
+    /// As [`Caster::tests_per_ray`].
+    fn tests_per_ray(&self) -> usize {
         0
     }
 
     /// The nearest hit.
-    fn nearest(&self, ray: &OwnRay<Self::V>) -> PrimitiveHit;
+    fn nearest(&self, ray: &CasterRay<Self::V>) -> PrimitiveHit;
 }
 
-/// Makes a [`Caster`] of a [`OneRay`] by tracing rays one by one.
-pub(super) struct OneAfterAnother<T> {
+/// Makes a [`Caster`] of a [`SingleRay`] by tracing rays one by one.
+pub(super) struct SingleRayCaster<T> {
     name: String,
     rays: Rays,
     accel: Arc<Accel>,
     one: T,
 }
 
-impl<T: OneRay> OneAfterAnother<T> {
+impl<T: SingleRay> SingleRayCaster<T> {
     pub(super) fn new(name: &str, accel: &Arc<Accel>, one: T) -> Self {
         let is_single = size_of::<<T::V as Vector>::Real>() == size_of::<f32>();
         Self {
@@ -54,7 +54,7 @@ impl<T: OneRay> OneAfterAnother<T> {
     }
 }
 
-impl<T: OneRay> Caster for OneAfterAnother<T> {
+impl<T: SingleRay> Caster for SingleRayCaster<T> {
     fn name(&self) -> &str {
         &self.name
     }
@@ -63,14 +63,14 @@ impl<T: OneRay> Caster for OneAfterAnother<T> {
         self.rays
     }
 
-    fn tries(&self) -> usize {
-        self.one.tries()
+    fn tests_per_ray(&self) -> usize {
+        self.one.tests_per_ray()
     }
 
     fn cast(&self, rays: &[Ray], hits: &mut Vec<PrimitiveHit>) {
         hits.clear();
         hits.extend(rays.iter().map(|ray| {
-            self.one.nearest(&OwnRay {
+            self.one.nearest(&CasterRay {
                 origin: T::V::rounded(ray.origin - self.accel.origin()),
                 direction: T::V::rounded(ray.direction),
                 t_min: T::V::number(ray.t_min),
@@ -116,7 +116,7 @@ impl<V: Vector> RowOfRays<V> {
     }
 
     #[inline(always)]
-    pub(super) fn ray(&self, column: u32) -> OwnRay<V> {
+    pub(super) fn ray(&self, column: u32) -> CasterRay<V> {
         let along = self.step * V::number(f64::from(column));
         let (origin, direction) = match self.projection {
             Projection::Orthographic => (self.origin + along, self.direction),
@@ -125,7 +125,7 @@ impl<V: Vector> RowOfRays<V> {
                 (self.origin, (self.direction + along).normalized())
             }
         };
-        OwnRay {
+        CasterRay {
             origin,
             direction,
             t_min: V::number(0.0),

@@ -3,7 +3,7 @@
 //! surface tessellations", 1987, and the first ray tracers). The renderer that RayCast replaces did this for every
 //! triangle and every ray.
 
-use super::one_ray::OwnRay;
+use super::one_ray::CasterRay;
 use super::triangle::{Intersection, TriangleTest};
 use super::vector::Vector;
 use num_traits::{Float, Zero};
@@ -15,7 +15,7 @@ pub(super) struct PlaneInside<V> {
 
 impl<V: Vector> TriangleTest for PlaneInside<V> {
     type V = V;
-    type Ray = OwnRay<V>;
+    type Ray = CasterRay<V>;
 
     fn new(corners: [V; 3]) -> Self {
         let [a, b, c] = corners;
@@ -25,12 +25,12 @@ impl<V: Vector> TriangleTest for PlaneInside<V> {
         }
     }
 
-    fn prepare(ray: &OwnRay<V>) -> OwnRay<V> {
+    fn prepare(ray: &CasterRay<V>) -> CasterRay<V> {
         *ray
     }
 
     #[inline(always)]
-    fn intersect(&self, ray: &OwnRay<V>) -> Option<Intersection<V::Real>> {
+    fn intersect(&self, ray: &CasterRay<V>) -> Option<Intersection<V::Real>> {
         let [a, b, c] = self.corners;
         let slope = self.normal.dot(ray.direction);
         if slope == V::Real::zero() {

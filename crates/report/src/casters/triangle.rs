@@ -1,6 +1,6 @@
 //! The interface of published ray–triangle tests.
 
-use super::one_ray::OwnRay;
+use super::one_ray::CasterRay;
 use super::vector::Vector;
 use num_traits::{Float, ToPrimitive};
 use raycast_core::{MISS, PrimitiveHit};
@@ -16,7 +16,7 @@ pub(super) trait TriangleTest: Send + Sync {
     fn new(corners: [Self::V; 3]) -> Self;
 
     /// Precomputes a ray.
-    fn prepare(ray: &OwnRay<Self::V>) -> Self::Ray;
+    fn prepare(ray: &CasterRay<Self::V>) -> Self::Ray;
 
     /// Intersects the line along the ray with the triangle; the ray's range does not matter.
     fn intersect(&self, ray: &Self::Ray) -> Option<Intersection<<Self::V as Vector>::Real>>;
@@ -44,7 +44,7 @@ pub(super) struct ClosestHit<R> {
 
 impl<R: Float + ToPrimitive> ClosestHit<R> {
     /// No intersection yet; hits must be within the ray's range.
-    pub(super) fn none<V: Vector<Real = R>>(ray: &OwnRay<V>) -> Self {
+    pub(super) fn none<V: Vector<Real = R>>(ray: &CasterRay<V>) -> Self {
         Self {
             t_min: ray.t_min,
             t_max: ray.t_max,

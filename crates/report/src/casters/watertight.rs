@@ -2,7 +2,7 @@
 //! ray is the z axis, and evaluates the edge functions in two dimensions; a zero in single precision is evaluated
 //! again in double precision.
 
-use super::one_ray::OwnRay;
+use super::one_ray::CasterRay;
 use super::triangle::{Intersection, TriangleTest};
 use raycast_core::glam::Vec3;
 
@@ -25,7 +25,7 @@ impl TriangleTest for Watertight {
         Self { corners }
     }
 
-    fn prepare(ray: &OwnRay<Vec3>) -> ShearedRay {
+    fn prepare(ray: &CasterRay<Vec3>) -> ShearedRay {
         let d = ray.direction;
         let z = d.abs().max_position();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);

@@ -107,12 +107,12 @@ impl Axis {
     }
 
     /// The position of a number, from 0 to 1 along the axis.
-    pub fn place(&self, number: f64) -> f64 {
-        let place = self.rising_place(number);
+    pub fn position(&self, number: f64) -> f64 {
+        let place = self.rising_position(number);
         if self.falls { 1.0 - place } else { place }
     }
 
-    fn rising_place(&self, number: f64) -> f64 {
+    fn rising_position(&self, number: f64) -> f64 {
         match self.scale {
             Scale::Linear => (number - self.low) / (self.high - self.low),
             Scale::Log => {
@@ -247,14 +247,18 @@ mod tests {
     fn places_run_from_zero_to_one() {
         let axis = Axis::log("x", [1.0]).from_to(0.1, 1000.0);
         assert_eq!(
-            (axis.place(0.1), axis.place(10.0), axis.place(1000.0)),
+            (
+                axis.position(0.1),
+                axis.position(10.0),
+                axis.position(1000.0)
+            ),
             (0.0, 0.5, 1.0)
         );
         let axis = axis.with_zero("0 of N");
         let end = axis.zero_end().expect("a place for zero");
-        assert!(axis.place(0.0) > 0.0 && axis.place(0.0) < end && end < axis.place(1.0));
+        assert!(axis.position(0.0) > 0.0 && axis.position(0.0) < end && end < axis.position(1.0));
         let linear = Axis::linear("y", [3.0]).from_to(0.0, 4.0);
-        assert_eq!(linear.place(1.0), 0.25);
+        assert_eq!(linear.position(1.0), 0.25);
     }
 
     #[test]
@@ -264,7 +268,7 @@ mod tests {
             assert!(
                 axis.ticks()
                     .iter()
-                    .all(|(at, _)| (-1e-9..=1.0 + 1e-9).contains(&axis.place(*at)))
+                    .all(|(at, _)| (-1e-9..=1.0 + 1e-9).contains(&axis.position(*at)))
             );
             ticks
                 .map(|(_, text)| text)

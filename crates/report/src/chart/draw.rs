@@ -3,7 +3,7 @@
 use super::canvas::Canvas;
 use super::error::ChartError;
 use super::frame::{Frame, Side};
-use super::labels::{Area, Taken};
+use super::labels::{Area, OccupiedAreas};
 use super::output::{encode_png, register_font};
 use super::plot::Chart;
 use super::series::Series;
@@ -80,7 +80,7 @@ impl Chart {
         };
         frame.heading(canvas)?;
         frame.axes(canvas)?;
-        let mut taken = Taken {
+        let mut occupied = OccupiedAreas {
             bounds: Area {
                 low: (left + 4.0, top + 2.0),
                 high: (width - 8.0, height - bottom - 4.0),
@@ -90,7 +90,7 @@ impl Chart {
         };
         frame.better(canvas)?;
         for series in &self.series {
-            frame.series(canvas, series, &mut taken)?;
+            frame.series(canvas, series, &mut occupied)?;
         }
         let labelled = |series: &&Series| !series.label.is_empty();
         let is_at_zero = |series: &Series| {
@@ -105,12 +105,17 @@ impl Chart {
                 other => others.push(other),
             }
         }
-        let bounds = taken.bounds;
-        frame.column(canvas, &lines, Side::Right(frame.high.0 + 16.0), &mut taken)?;
-        let beside_zero = Side::Right(frame.x(self.x.place(0.0)) + 34.0);
-        frame.column(canvas, &zeros, beside_zero, &mut taken)?;
+        let bounds = occupied.bounds;
+        frame.column(
+            canvas,
+            &lines,
+            Side::Right(frame.high.0 + 16.0),
+            &mut occupied,
+        )?;
+        let beside_zero = Side::Right(frame.x(self.x.position(0.0)) + 34.0);
+        frame.column(canvas, &zeros, beside_zero, &mut occupied)?;
         if let Some(end) = self.x.zero_end() {
-            taken.bounds.low.0 = taken.bounds.low.0.max(frame.x(end));
+            occupied.bounds.low.0 = occupied.bounds.low.0.max(frame.x(end));
         }
         let (piles, alone) = frame.piles(others);
         for pile in piles {
@@ -126,10 +131,10 @@ impl Chart {
             } else {
                 Side::Left(xs().fold(f64::INFINITY, f64::min) - 26.0)
             };
-            frame.column(canvas, &pile, side, &mut taken)?;
+            frame.column(canvas, &pile, side, &mut occupied)?;
         }
         for series in alone {
-            frame.label(canvas, series, &mut taken)?;
+            frame.label(canvas, series, &mut occupied)?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, Point};
 use super::error::ChartError;
-use super::labels::{Area, Taken};
+use super::labels::{Area, OccupiedAreas};
 use super::plot::{Better, Chart};
 use super::series::{Form, Series};
 use super::style::{self, SIZE};
@@ -37,8 +37,8 @@ impl Frame<'_> {
     fn at(&self, (x, y): (f64, f64)) -> Point {
         let within = |place: f64| place.clamp(0.0, 1.0);
         (
-            self.x(within(self.chart.x.place(x))),
-            self.y(within(self.chart.y.place(y))),
+            self.x(within(self.chart.x.position(x))),
+            self.y(within(self.chart.y.position(y))),
         )
     }
 
@@ -91,13 +91,13 @@ impl Frame<'_> {
             };
             let shown = |text: &String| text.is_empty() != named;
             for (at, text) in x.ticks().iter().filter(|(_, text)| shown(text)) {
-                let at = self.x(x.place(*at));
+                let at = self.x(x.position(*at));
                 canvas.line(&[(at, top), (at, bottom)], 1.0, color.to_rgba())?;
                 let anchor = (HPos::Center, VPos::Top);
                 canvas.text(text, (at, bottom + 8.0), style::TICK, style::TEXT, anchor)?;
             }
             for (at, text) in y.ticks().iter().filter(|(_, text)| shown(text)) {
-                let at = self.y(y.place(*at));
+                let at = self.y(y.position(*at));
                 canvas.line(&[(left, at), (right, at)], 1.0, color.to_rgba())?;
                 let anchor = (HPos::Right, VPos::Center);
                 canvas.text(text, (left - 8.0, at), style::TICK, style::TEXT, anchor)?;
@@ -147,7 +147,7 @@ impl Frame<'_> {
         canvas: &Canvas<'_, B>,
         series: &[&Series],
         side: Side,
-        taken: &mut Taken,
+        occupied: &mut OccupiedAreas,
     ) -> Result<(), ChartError> {
         const APART: f64 = 17.5;
         let mut names: Vec<(Point, &Series)> = series
@@ -167,7 +167,7 @@ impl Frame<'_> {
             canvas.line(&[end, (x, place)], 1.0, color.mix(0.5))?;
             let anchor = (HPos::Left, VPos::Center);
             canvas.text(&series.label, (low, place), style::LABEL, color, anchor)?;
-            taken.areas.push(Area {
+            occupied.areas.push(Area {
                 low: (low, place - APART * 0.5),
                 high: (low + width, place + APART * 0.5),
             });
@@ -205,7 +205,7 @@ impl Frame<'_> {
         &self,
         canvas: &Canvas<'_, B>,
         series: &Series,
-        taken: &mut Taken,
+        occupied: &mut OccupiedAreas,
     ) -> Result<(), ChartError> {
         let color = series.ink.color();
         let points: Vec<Point> = series.points.iter().map(|&point| self.at(point)).collect();
@@ -221,7 +221,7 @@ impl Frame<'_> {
                     }
                     steps.push((x, y));
                 }
-                taken.line_points.extend(along(&steps));
+                occupied.line_points.extend(along(&steps));
                 match steps[..] {
                     [alone] => canvas.halo(alone, 10.0, color.mix(0.22))?,
                     _ => canvas.line(&steps, 7.0, color.mix(0.22))?,
@@ -230,7 +230,7 @@ impl Frame<'_> {
             }
         }
         if series.form != Form::Dots {
-            taken.line_points.extend(along(&points));
+            occupied.line_points.extend(along(&points));
         }
         for &point in &points {
             let is_open = series.form == Form::Dashes;
@@ -238,7 +238,7 @@ impl Frame<'_> {
             if is_open {
                 canvas.dot(point, style::DOT - 2.0, WHITE)?;
             }
-            taken.areas.push(Area::around(point, style::DOT));
+            occupied.areas.push(Area::around(point, style::DOT));
         }
         Ok(())
     }
@@ -247,14 +247,14 @@ impl Frame<'_> {
         &self,
         canvas: &Canvas<'_, B>,
         series: &Series,
-        taken: &mut Taken,
+        occupied: &mut OccupiedAreas,
     ) -> Result<(), ChartError> {
         let (width, height) = canvas.measure(&series.label, style::LABEL)?;
         let points: Vec<Point> = series.points.iter().rev().map(|&p| self.at(p)).collect();
         if points.is_empty() {
             return Ok(());
         }
-        let (area, point) = taken.place((width + 4.0, height.max(15.0)), &points);
+        let (area, point) = occupied.place((width + 4.0, height.max(15.0)), &points);
         let color = series.ink.color();
         let near = area.nearest_to(point);
         if (near.0 - point.0).hypot(near.1 - point.1) > 13.0 {

@@ -50,7 +50,7 @@ impl Area {
 
 /// The areas that are occupied.
 #[derive(Debug)]
-pub(super) struct Taken {
+pub(super) struct OccupiedAreas {
     /// The area that labels must not leave.
     pub(super) bounds: Area,
     /// Dots and labels placed so far.
@@ -65,7 +65,7 @@ const GAPS: [f64; 5] = [7.0, 16.0, 34.0, 60.0, 90.0];
 /// Candidate rows above and below a point.
 const ROWS: i32 = 12;
 
-impl Taken {
+impl OccupiedAreas {
     /// Finds the cheapest position for a label of this size at one of the points (the earlier, the better to name)
     /// and marks it as occupied. Returns it and the point.
     pub(super) fn place(&mut self, (width, height): (f64, f64), points: &[Point]) -> (Area, Point) {
@@ -94,7 +94,7 @@ impl Taken {
         let over = self
             .areas
             .iter()
-            .filter(|taken| taken.overlaps(area))
+            .filter(|occupied| occupied.overlaps(area))
             .count();
         let crossed = self
             .line_points
@@ -138,7 +138,7 @@ mod tests {
         let points: Vec<Point> = (0..12)
             .map(|i| (200.0, 120.0 + 3.0 * f64::from(i)))
             .collect();
-        let mut taken = Taken {
+        let mut occupied = OccupiedAreas {
             bounds,
             areas: points
                 .iter()
@@ -148,7 +148,7 @@ mod tests {
         };
         let mut placed: Vec<Area> = Vec::new();
         for &point in &points {
-            let (area, _) = taken.place((90.0, 14.0), &[point]);
+            let (area, _) = occupied.place((90.0, 14.0), &[point]);
             assert!(bounds.holds(&area));
             assert!(
                 !placed.iter().any(|other| other.overlaps(&area)),
@@ -160,12 +160,12 @@ mod tests {
 
     #[test]
     fn a_lonely_label_is_to_the_right() {
-        let mut taken = Taken {
+        let mut occupied = OccupiedAreas {
             bounds: Area::around((0.0, 0.0), 500.0),
             areas: vec![],
             line_points: vec![],
         };
-        let (area, point) = taken.place((50.0, 10.0), &[(10.0, 20.0), (0.0, 0.0)]);
+        let (area, point) = occupied.place((50.0, 10.0), &[(10.0, 20.0), (0.0, 0.0)]);
         assert_eq!(point, (10.0, 20.0));
         assert!(area.low.0 > 10.0 && area.low.1 < 20.0 && area.high.1 > 20.0);
         assert_eq!(area.nearest_to(point), (area.low.0, 20.0));

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 /// The least difference from the crease angle, in degrees, at which an angle is surely below or above it: far more
 /// than the rounding of double precision, and still negligible.
-const SURE: f64 = 1e-6;
+const DECISION_MARGIN: f64 = 1e-6;
 
 /// A position, with positive zeros.
 type Place = [u32; 3];
@@ -111,7 +111,7 @@ impl<'m> Creased<'m> {
         }
         let (one, other) = (self.unit(one), self.unit(other));
         let angle = math::atan2(one.cross(other).length(), one.dot(other)).to_degrees();
-        ((angle - self.degrees).abs() > SURE).then_some(angle < self.degrees)
+        ((angle - self.degrees).abs() > DECISION_MARGIN).then_some(angle < self.degrees)
     }
 }
 

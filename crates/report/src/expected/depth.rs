@@ -61,7 +61,7 @@ pub(super) fn distances(
 
 /// The nearest and the farthest hit of every 16th ray of the whole picture in both directions, which the depth mode's
 /// colours are fitted to. `None` where any is undecided.
-pub(super) fn seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]> {
+pub(super) fn visible_range(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double; 2]> {
     let plane = camera.plane();
     // Every 16th, but at most 256 in each direction.
     let stride = plane.columns.max(plane.rows).div_ceil(256).max(16) as usize;
@@ -74,7 +74,7 @@ pub(super) fn seen(stage: &Stage, camera: &Camera, cull: Cull) -> Option<[Double
         .filter_map(|(x, y)| {
             let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
             // An undecided hit makes the range unknown.
-            match mask::seen(stage, &ray, cull) {
+            match mask::closest_visible(stage, &ray, cull) {
                 Some(truth) => truth.map(|truth| truth.t),
                 None => Some(f64::NAN),
             }

@@ -13,10 +13,10 @@ const GROUND: [f64; 3] = [0.066, 0.060, 0.055];
 const RIM: f64 = 0.10;
 
 /// A light's direction in the camera's axes (right, up and back; `None` at the eye), and its colour.
-type Given = (Option<[f64; 3]>, [f64; 3]);
+type LightSource = (Option<[f64; 3]>, [f64; 3]);
 
-const HEADLIGHT: [Given; 1] = [(None, [0.88; 3])];
-const THREE_POINT: [Given; 3] = [
+const HEADLIGHT: [LightSource; 1] = [(None, [0.88; 3])];
+const THREE_POINT: [LightSource; 3] = [
     (Some([-0.65, 0.65, 0.85]), [0.78, 0.735, 0.675]),
     (Some([0.90, 0.05, 0.60]), [0.125, 0.150, 0.185]),
     (Some([0.45, 0.60, -0.80]), [0.300, 0.315, 0.340]),
@@ -43,7 +43,7 @@ impl Lights {
             direction.normalize().to_array().map(near)
         };
         let constant = |rgb: [f64; 3]| rgb.map(|channel| Single::exactly(channel).rounded());
-        let (given, sky, ground): (&[Given], _, _) = match set {
+        let (given, sky, ground): (&[LightSource], _, _) = match set {
             LightSet::Soft => (&[], SKY, GROUND),
             LightSet::Headlight => (&HEADLIGHT, [0.06; 3], [0.06; 3]),
             LightSet::ThreePoint => (&THREE_POINT, [0.100, 0.107, 0.120], [0.058, 0.052, 0.047]),

@@ -11,7 +11,7 @@ use raycast_core::shade::Filter;
 use raycast_oracle::Truth;
 
 /// The closest hit of a ray that no mask rejects; `None` where rounding may decide whether a mask keeps it.
-pub(crate) fn seen(stage: &Stage, ray: &Ray, cull: Cull) -> Option<Option<Truth>> {
+pub(crate) fn closest_visible(stage: &Stage, ray: &Ray, cull: Cull) -> Option<Option<Truth>> {
     if !stage.has_masks() {
         return Some(stage.truth(ray, cull));
     }

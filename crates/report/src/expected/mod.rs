@@ -19,7 +19,7 @@ mod srgb;
 mod surface_color;
 mod texture;
 
-pub(crate) use mask::seen;
+pub(crate) use mask::closest_visible;
 pub(crate) use pixel::shows;
 pub(crate) use range::Single;
 
@@ -77,7 +77,7 @@ fn rows_of(whole: &Camera, camera: &Camera) -> (f64, f64) {
 }
 
 /// Whether neighbouring pixels share an eye.
-fn shares_eyes(camera: &Camera) -> bool {
+fn neighbours_share_eye(camera: &Camera) -> bool {
     let stereo = camera.stereo();
     stereo.is_none_or(|stereo| stereo.kind == StereoKind::Pair)
 }
@@ -115,9 +115,9 @@ impl<'a> Expected<'a> {
         };
         let numbers = Numbers::new(stage, &camera, &shading);
         let is_mapped = shading.mode == Mode::Depth && shading.scale.is_some();
-        let seen = || depth::seen(stage, &whole, cull);
+        let visible_range = || depth::visible_range(stage, &whole, cull);
         let depth_map = is_mapped
-            .then(|| numbers.given_range().or_else(seen))
+            .then(|| numbers.given_range().or_else(visible_range))
             .flatten();
         let plane = camera.plane();
         let has_legend = shading.scale.is_some_and(|scale| scale.legend);
@@ -137,7 +137,7 @@ impl<'a> Expected<'a> {
             depth_map,
             numbers,
             legend,
-            has_sections: cull == Cull::None && shares_eyes(&whole),
+            has_sections: cull == Cull::None && neighbours_share_eye(&whole),
             rows: rows_of(&whole, &camera),
             cull,
         }
@@ -149,7 +149,7 @@ impl<'a> Expected<'a> {
     }
 
     /// Continues with another eye's camera and the same colours.
-    pub(crate) fn look_from(&mut self, camera: &Camera) {
+    pub(crate) fn set_camera(&mut self, camera: &Camera) {
         self.camera = *camera;
     }
 

@@ -20,7 +20,7 @@ pub(super) fn flat(camera: &Camera, corners: [Vector<53>; 3]) -> Vector<24> {
         _ => a,
     };
     let away = dot(normal, along);
-    if !away.is_known() || away.has(0.0) {
+    if !away.is_known() || away.contains(0.0) {
         return [Single::UNKNOWN; 3];
     }
     let normal = if away.low > 0.0 {
@@ -98,7 +98,7 @@ pub(super) fn smooth(
         return flat;
     }
     let turned = dot(blended, flat);
-    if !size.is_known() || size.low <= 1e-6 || turned.has(0.0) || !turned.is_known() {
+    if !size.is_known() || size.low <= 1e-6 || turned.contains(0.0) || !turned.is_known() {
         return [Single::UNKNOWN; 3];
     }
     let unit = blended.map(|n| n / size);

@@ -172,7 +172,7 @@ pub(super) fn own_color(
     let object = hit.object;
     match &object.color {
         ColorRule::File => match object.mesh.corner_colors(hit.triangle) {
-            Some(colors) if by_vertex(object, hit.triangle) => {
+            Some(colors) if has_vertex_colors(object, hit.triangle) => {
                 normal::blend(colors.map(srgb::linear), hit.weights)
             }
             _ => srgb::linear(file_color(hit, numbers.plain, mode)),
@@ -197,11 +197,11 @@ pub(super) fn own_color(
                 (None, _) => shown(to(unit(cross(minus(b, a), minus(c, a))))),
             }
         }
-        ColorRule::Value(quantity) => of_number(hit, numbers, camera, quantity),
+        ColorRule::Value(quantity) => number_color(hit, numbers, camera, quantity),
     }
 }
 
-fn by_vertex(object: &Object, triangle: u32) -> bool {
+fn has_vertex_colors(object: &Object, triangle: u32) -> bool {
     let material = object.mesh.material(triangle);
     material.is_none_or(|material| material.by_vertex)
 }
@@ -219,7 +219,12 @@ fn file_color(hit: &Hit<'_>, plain: Color, mode: Mode) -> Color {
     }
 }
 
-fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quantity) -> Vector<24> {
+fn number_color(
+    hit: &Hit<'_>,
+    numbers: &Numbers,
+    camera: &Camera,
+    quantity: &Quantity,
+) -> Vector<24> {
     let mesh = &hit.object.mesh;
     let number: Double = match quantity {
         // Not computed independently.
@@ -274,7 +279,7 @@ fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quant
                     if corners.iter().any(|value| value.is_nan()) {
                         return srgb::linear(NO_NUMBER);
                     }
-                    return shares(hit, numbers, corners);
+                    return interpolated_color(hit, numbers, corners);
                 }
             }
         }
@@ -289,7 +294,7 @@ fn of_number(hit: &Hit<'_>, numbers: &Numbers, camera: &Camera, quantity: &Quant
 }
 
 /// The colour of a number between corners: its positions in the range are interpolated in single precision.
-fn shares(hit: &Hit<'_>, numbers: &Numbers, corners: [f64; 3]) -> Vector<24> {
+fn interpolated_color(hit: &Hit<'_>, numbers: &Numbers, corners: [f64; 3]) -> Vector<24> {
     let Some([low, high]) = numbers.ranges.get(hit.number as usize).copied().flatten() else {
         return [Single::UNKNOWN; 3];
     };

@@ -1,6 +1,6 @@
 //! Where a hit lies in a photograph, and whether its camera sees it, computed independently.
 
-use super::mask::seen;
+use super::mask::closest_visible;
 use super::range::{Double, Single, Vector, cross, dot, exactly, minus, plus, scaled, unit};
 use crate::stage::Stage;
 use raycast_core::Cull;
@@ -140,7 +140,7 @@ fn is_seen(
     let [of_a, of_b, of_c] = all.map(|weight| weight.max(LEAST_WEIGHT));
     let ray = Ray::new(eye, (a * of_a + b * of_b + c * of_c) / (of_a + of_b + of_c));
     let own = stage.intersect((object, triangle), &ray, cull)?;
-    let Some(nearest) = seen(stage, &ray, cull)? else {
+    let Some(nearest) = closest_visible(stage, &ray, cull)? else {
         return Some(true);
     };
     if (nearest.object, nearest.triangle) == (object, triangle) || nearest.t > own.t {

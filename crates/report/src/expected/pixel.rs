@@ -31,7 +31,7 @@ pub(crate) fn shows(pixel: [u8; 4], [r, g, b, a]: [Single; 4]) -> Option<Result<
         // A transparent pixel has no colour.
         let bytes = match alpha {
             0 => [0, 0],
-            _ => srgb::bytes_of(light / a)?,
+            _ => srgb::byte_range(light / a)?,
         };
         if let Err(fault) = check(channel, found, bytes) {
             return Some(Err(fault));

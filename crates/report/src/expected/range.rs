@@ -49,7 +49,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
     }
 
     /// Whether a number is in the range.
-    pub(crate) fn has(self, number: f64) -> bool {
+    pub(crate) fn contains(self, number: f64) -> bool {
         self.low <= number && number <= self.high
     }
 
@@ -105,7 +105,7 @@ impl<const DIGITS: i32> Range<DIGITS> {
     }
 
     pub(crate) fn abs(self) -> Self {
-        if self.has(0.0) {
+        if self.contains(0.0) {
             Self {
                 low: 0.0,
                 high: self.high.max(-self.low),
@@ -200,7 +200,7 @@ impl<const DIGITS: i32> Div for Range<DIGITS> {
 
     /// Unknown where the divisor may be zero.
     fn div(self, other: Self) -> Self {
-        if other.has(0.0) {
+        if other.contains(0.0) {
             return Self::UNKNOWN;
         }
         let ends = [self.low / other.low, self.low / other.high];
@@ -301,7 +301,7 @@ mod tests {
                     Vec3::new(a, b, c).cross(Vec3::new(c, a, b)).z,
                 ),
             ] {
-                assert!(range.has(found.into()), "{found} is not in {range:?}");
+                assert!(range.contains(found.into()), "{found} is not in {range:?}");
             }
             let product = x * y;
             assert!(product.high - product.low <= f64::from((a * b).abs()) * 5e-7 + 1e-37);
@@ -320,6 +320,6 @@ mod tests {
         let about_zero = Single::around(0.0, 1e-9);
         assert!(!(Single::exactly(1.0) / about_zero).is_known());
         assert!(!unit([about_zero; 3])[0].is_known());
-        assert!(!Single::UNKNOWN.has(0.0));
+        assert!(!Single::UNKNOWN.contains(0.0));
     }
 }

@@ -23,7 +23,7 @@ fn squared(a: Single) -> Single {
 }
 
 /// One minus a number.
-fn rest(a: Single) -> Single {
+fn one_minus(a: Single) -> Single {
     Single::exactly(1.0) - a
 }
 
@@ -44,20 +44,20 @@ pub(super) fn reflected(
     }
     let alpha = squared(roughness).max(LEAST_ALPHA);
     let square = squared(alpha);
-    let diffuse = scaled(base, rest(metallic));
-    let head_on: Vector<24> = base.map(|c| c * metallic + number(DIELECTRIC) * rest(metallic));
+    let diffuse = scaled(base, one_minus(metallic));
+    let head_on: Vector<24> = base.map(|c| c * metallic + number(DIELECTRIC) * one_minus(metallic));
     let along = dot(normal, to_eye);
     let facing = along.abs().min(1.0);
     let mirrored = minus(scaled(normal, Single::exactly(2.0) * along), to_eye);
 
     let all = reflected_of_all(head_on, roughness, facing);
     let mut seen = lights.around(mirrored);
-    let mut light = times(times(diffuse, all.map(rest)), lights.around(normal));
+    let mut light = times(times(diffuse, all.map(one_minus)), lights.around(normal));
     for (direction, color) in lights.shining() {
         let to_light = direction.unwrap_or(to_eye);
         let glow = squared(dot(mirrored, to_light).max(0.0));
         let half = Single::exactly(0.5);
-        seen = plus(seen, scaled(color, half * rest(alpha) * glow));
+        seen = plus(seen, scaled(color, half * one_minus(alpha) * glow));
         let lit = dot(normal, to_light).max(0.0);
         if lit.high <= 0.0 {
             continue;
@@ -72,13 +72,13 @@ pub(super) fn reflected(
             high: spread.high,
         };
         let distribution = square / squared(spread);
-        let side = |cosine: Single| (square + rest(square) * squared(cosine)).sqrt();
+        let side = |cosine: Single| (square + one_minus(square) * squared(cosine)).sqrt();
         let visibility = half / (lit * side(facing) + facing * side(lit));
-        let away = rest(dot(to_eye, halfway)).max(0.0).min(1.0);
+        let away = one_minus(dot(to_eye, halfway)).max(0.0).min(1.0);
         let fifth = squared(squared(away)) * away;
-        let fresnel: Vector<24> = head_on.map(|f| f + rest(f) * fifth);
+        let fresnel: Vector<24> = head_on.map(|f| f + one_minus(f) * fifth);
         let specular = scaled(fresnel, distribution * visibility);
-        let sent = plus(times(diffuse, fresnel.map(rest)), specular);
+        let sent = plus(times(diffuse, fresnel.map(one_minus)), specular);
         light = plus(light, times(scaled(color, lit), sent));
     }
     plus(light, times(all, seen))
@@ -86,7 +86,7 @@ pub(super) fn reflected(
 
 /// Karis' fit.
 fn reflected_of_all(head_on: Vector<24>, roughness: Single, facing: Single) -> Vector<24> {
-    let x = rest(roughness);
+    let x = one_minus(roughness);
     let y = number(0.0425) - number(0.0275) * roughness;
     let z = number(1.04) - number(0.572) * roughness;
     let w = number(0.022) * roughness - number(0.04);

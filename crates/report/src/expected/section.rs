@@ -17,11 +17,11 @@ const OUTLINE: Color = Color([0x2b, 0x15, 0x08]);
 
 /// The least distance from a threshold at which a decision is sure: far more than a few roundings of double
 /// precision, and still negligible.
-const SURE: f64 = 1e-9;
+const DECISION_MARGIN: f64 = 1e-9;
 
 /// What a sample shows of sections.
 #[derive(Clone, Copy, PartialEq)]
-enum Seen {
+enum SectionSample {
     None,
     /// The plane's unit normal, and the object.
     Section(DVec3, u32),
@@ -44,11 +44,11 @@ pub(super) fn color(
     if !is_shown || stage.clip().enabled().next().is_none() {
         return None;
     }
-    let here = seen(stage, camera, (x, y), truth);
-    let unit = match here {
-        Seen::None => return None,
-        Seen::Unsure => return Some([Single::UNKNOWN; 3]),
-        Seen::Section(unit, _) => unit,
+    let sample = sample_section(stage, camera, (x, y), truth);
+    let unit = match sample {
+        SectionSample::None => return None,
+        SectionSample::Unsure => return Some([Single::UNKNOWN; 3]),
+        SectionSample::Section(unit, _) => unit,
     };
     let plane = camera.plane();
     let inside = |(x, y): &(f64, f64)| {
@@ -57,16 +57,16 @@ pub(super) fn color(
     let around = [(x - 1.0, y), (x + 1.0, y), (x, y - 1.0), (x, y + 1.0)];
     let around = around.into_iter().filter(inside).map(|place| {
         let truth = stage.truth(&camera.ray(place.0, place.1), Cull::None);
-        seen(stage, camera, place, truth.as_ref())
+        sample_section(stage, camera, place, truth.as_ref())
     });
-    let around: Vec<Seen> = around.collect();
+    let around: Vec<SectionSample> = around.collect();
     if around
         .iter()
-        .any(|next| *next != here && *next != Seen::Unsure)
+        .any(|next| *next != sample && *next != SectionSample::Unsure)
     {
         return Some(srgb::linear(OUTLINE));
     }
-    if around.contains(&Seen::Unsure) {
+    if around.contains(&SectionSample::Unsure) {
         return Some([Single::UNKNOWN; 3]);
     }
     let near = |x: f32| Single::around(f64::from(x), 2.0 * f64::from(f32::EPSILON));
@@ -77,7 +77,12 @@ pub(super) fn color(
     Some(std::array::from_fn(|i| base[i] * light[i]))
 }
 
-fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth>) -> Seen {
+fn sample_section(
+    stage: &Stage,
+    camera: &Camera,
+    (x, y): (f64, f64),
+    truth: Option<&Truth>,
+) -> SectionSample {
     let ray = camera.ray(x, y);
     let along = ray.direction;
     // Where the ray enters the kept side, through which plane, and where it leaves it.
@@ -92,7 +97,7 @@ fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth
             unit.dot(along),
         );
         let size = plane.offset.abs() / length + ray.origin.abs().max_element();
-        is_sure &= steep.abs() > SURE && before.abs() > SURE * size;
+        is_sure &= steep.abs() > DECISION_MARGIN && before.abs() > DECISION_MARGIN * size;
         let crossing = before / steep;
         if steep < 0.0 {
             exit = exit.min(crossing);
@@ -101,19 +106,19 @@ fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth
         towards.push(*plane);
         if crossing > 0.0 {
             let other = last.map_or(0.0, |(entry, _)| entry);
-            is_sure &= (crossing - other).abs() > SURE * (crossing + size);
+            is_sure &= (crossing - other).abs() > DECISION_MARGIN * (crossing + size);
             if crossing > other {
                 last = Some((crossing, unit));
             }
         }
     }
-    let beyond;
+    let behind_planes;
     let truth = match (truth, last) {
         (Some(truth), _) => Some(truth),
         (None, Some((entry, _))) if exit.is_finite() => {
-            is_sure &= (exit - entry).abs() > SURE * (exit.abs() + entry);
-            beyond = (entry < exit || !is_sure).then(|| stage.truth_within(&ray, &towards));
-            beyond.as_ref().and_then(Option::as_ref)
+            is_sure &= (exit - entry).abs() > DECISION_MARGIN * (exit.abs() + entry);
+            behind_planes = (entry < exit || !is_sure).then(|| stage.truth_within(&ray, &towards));
+            behind_planes.as_ref().and_then(Option::as_ref)
         }
         (None, _) => None,
     };
@@ -121,7 +126,7 @@ fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth
         let triangle = stage.oracle.triangle(truth.object, truth.triangle)?;
         Some((truth, triangle))
     }) else {
-        return Seen::None;
+        return SectionSample::None;
     };
     let eye = camera.placement().eye - triangle.base;
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
@@ -134,13 +139,13 @@ fn seen(stage: &Stage, camera: &Camera, (x, y): (f64, f64), truth: Option<&Truth
         Projection::Orthographic => normal.dot(along),
         _ => normal.dot(a.normalize_or_zero()),
     };
-    if facing < -SURE {
-        return Seen::None;
+    if facing < -DECISION_MARGIN {
+        return SectionSample::None;
     }
-    is_sure &= facing > SURE;
+    is_sure &= facing > DECISION_MARGIN;
     match last {
-        _ if !is_sure => Seen::Unsure,
-        Some((_, unit)) => Seen::Section(unit, truth.object),
-        None => Seen::None,
+        _ if !is_sure => SectionSample::Unsure,
+        Some((_, unit)) => SectionSample::Section(unit, truth.object),
+        None => SectionSample::None,
     }
 }

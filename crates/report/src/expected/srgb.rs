@@ -23,17 +23,17 @@ fn from_linear(light: f64) -> f64 {
 }
 
 /// A byte's light, within rounding to single precision.
-pub(super) fn light_of(byte: u8) -> Single {
+pub(super) fn byte_to_linear(byte: u8) -> Single {
     Single::exactly(to_linear(f64::from(byte) / 255.0)).rounded()
 }
 
 /// A colour's light.
 pub(super) fn linear(color: Color) -> Vector<24> {
-    color.0.map(light_of)
+    color.0.map(byte_to_linear)
 }
 
 /// The first and the last byte that light in a range may be rounded to.
-pub(super) fn bytes_of(light: Single) -> Option<[u8; 2]> {
+pub(super) fn byte_range(light: Single) -> Option<[u8; 2]> {
     // The formulas err by some 1e-15 of a byte; a millionth of a byte is far more than that.
     let byte = |light: f64, slack: f64| {
         (from_linear(light.clamp(0.0, 1.0)) * 255.0 + 0.5 + slack).clamp(0.0, 255.0) as u8

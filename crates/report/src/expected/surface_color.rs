@@ -116,7 +116,7 @@ impl Expected<'_> {
         let read = |texture: &Option<Arc<Texture>>, of: fn(u8) -> Single| -> Vector<24> {
             match (texture, place) {
                 (Some(texture), Some(place)) if is_plain(texture) => {
-                    let [r, g, b, a] = texture::sample_of(texture, place, filter, of);
+                    let [r, g, b, a] = texture::sample_bytes_as(texture, place, filter, of);
                     [r, g, b].map(|channel| channel / a)
                 }
                 (Some(_), Some(_)) => [Single::UNKNOWN; 3],
@@ -125,7 +125,7 @@ impl Expected<'_> {
         };
         let share = |byte: u8| Single::exactly(f64::from(byte) / 255.0).rounded();
         let [_, rough, metal] = read(&known.texture, share);
-        let glow = read(&known.emission_texture, srgb::light_of);
+        let glow = read(&known.emission_texture, srgb::byte_to_linear);
         let shares = [
             number(known.metallic) * metal,
             number(known.roughness) * rough,

@@ -25,11 +25,11 @@ pub(super) fn place([a, b, c]: [Vec2; 3], u: Single, v: Single) -> [Double; 2] {
 /// The texture at a range of coordinates. Its origin is bottom left, it repeats every unit, and texels' centres lie
 /// half a texel from its edges. Unknown where the range is as wide as a texel.
 pub(super) fn sample(texture: &Texture, place: [Double; 2], filter: Filter) -> Texel {
-    sample_of(texture, place, filter, srgb::light_of)
+    sample_bytes_as(texture, place, filter, srgb::byte_to_linear)
 }
 
 /// As [`sample`], with `of` as the meaning of a byte of the image.
-pub(super) fn sample_of(
+pub(super) fn sample_bytes_as(
     texture: &Texture,
     [u, v]: [Double; 2],
     filter: Filter,
@@ -49,7 +49,7 @@ pub(super) fn sample_of(
                 y.low.floor()..=y.high.floor(),
             );
             match texels(texture, across, down, of) {
-                Some(texels) => all_of(&texels),
+                Some(texels) => range_over(&texels),
                 None => UNKNOWN,
             }
         }
@@ -141,7 +141,7 @@ fn texels(
 }
 
 /// The range of some texels.
-fn all_of(texels: &[Texel]) -> Texel {
+fn range_over(texels: &[Texel]) -> Texel {
     std::array::from_fn(|channel| {
         let ends = texels
             .iter()
@@ -200,7 +200,7 @@ pub(super) fn triplanar(
     let mut color: Texel = [Single::exactly(0.0); 4];
     for axis in 0..3 {
         let weight = (fourth[axis] / sum).max(0.0).min(1.0);
-        let part = if normal[axis].has(0.0) {
+        let part = if normal[axis].contains(0.0) {
             // Either side may contribute, by the fourth power of a rounding at least.
             [Single {
                 low: 0.0,

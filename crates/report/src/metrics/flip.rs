@@ -65,7 +65,7 @@ impl Plane {
 /// The mean FLIP error of a picture against a reference of the same size, from 0 to 1. It is 0 where a person who
 /// flips between the two sees no difference.
 pub fn flip(picture: &RgbImage, reference: &RgbImage) -> f64 {
-    let (a, b) = (Seen::new(picture), Seen::new(reference));
+    let (a, b) = (Perceived::new(picture), Perceived::new(reference));
     let (most, threshold) = (greatest_difference(), 0.4);
     let mean = (0..a.colors.len())
         .into_par_iter()
@@ -89,14 +89,14 @@ pub fn flip(picture: &RgbImage, reference: &RgbImage) -> f64 {
 }
 
 /// A picture as the metric compares it.
-struct Seen {
+struct Perceived {
     /// CIELAB after filtering by contrast sensitivity, with the Hunt adjustment.
     colors: Vec<[f64; 3]>,
     edges: Vec<f64>,
     points: Vec<f64>,
 }
 
-impl Seen {
+impl Perceived {
     fn new(picture: &RgbImage) -> Self {
         let opponent: Vec<[f64; 3]> = picture
             .pixels()
@@ -114,8 +114,9 @@ impl Seen {
             red_green.blurred(&[(1.0, 0.0053)]),
             blue_yellow.blurred(&[(34.1, 0.04), (13.5, 0.025)]),
         ];
-        let color = |at: usize| seen_color([0, 1, 2].map(|channel| blurred[channel].values[at]));
-        let features = Features::of(&luminance);
+        let color =
+            |at: usize| perceived_color([0, 1, 2].map(|channel| blurred[channel].values[at]));
+        let features = Features::detect(&luminance);
         Self {
             colors: (0..opponent.len()).into_par_iter().map(color).collect(),
             edges: features.edges,
@@ -157,7 +158,7 @@ struct Features {
 }
 
 impl Features {
-    fn of(luminance: &Plane) -> Self {
+    fn detect(luminance: &Plane) -> Self {
         let deviation = 0.5 * 0.082 * PIXELS_PER_DEGREE;
         let reach = (3.0 * deviation).ceil() as i64;
         let kernel = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
@@ -241,7 +242,7 @@ fn xyz_from_opponent([y, cx, cz]: [f64; 3]) -> [f64; 3] {
 
 /// Equation 3 and section 4.1.2: filtered YCxCz, clamped to the RGB gamut, to CIELAB with the Hunt adjustment:
 /// chroma is scaled by lightness, because dark colours look less colourful.
-fn seen_color(opponent: [f64; 3]) -> [f64; 3] {
+fn perceived_color(opponent: [f64; 3]) -> [f64; 3] {
     let rgb = rgb_from_xyz(xyz_from_opponent(opponent)).map(|value| value.clamp(0.0, 1.0));
     adjusted_lab(rgb)
 }

@@ -4,7 +4,7 @@ use super::Section;
 use crate::budget::ReportBudget;
 use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
 use crate::embree::Embree;
-use crate::known_answers::{KnownAnswers, pixels_by_lot};
+use crate::known_answers::{KnownAnswers, random_pixels};
 use crate::meshes::{grid, mesh};
 use crate::progress::ReportProgress;
 use crate::stage::scene_of;
@@ -53,9 +53,9 @@ impl BreakingSweep {
 
     fn setting(self, place: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
         match self {
-            Self::Size => of_size(place, side),
-            Self::Distance => at_distance(place, side),
-            Self::Angle => at_angle(place, side),
+            Self::Size => patch_of_size(place, side),
+            Self::Distance => patch_at_distance(place, side),
+            Self::Angle => patch_at_angle(place, side),
         }
     }
 
@@ -94,7 +94,7 @@ const CELLS: u32 = 64;
 /// A bumpy patch whose triangles are `pixels` long in a picture of 1000 rows with a field of view of 45°, and a
 /// camera that sees the middle of the patch. Eye and patch have arbitrary coordinates, so that no arithmetic is
 /// exact by chance.
-fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+fn patch_of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let eye = DVec3::new(2.3, 1.1, 3.7);
     let sight = DVec3::new(-0.61, -0.23, -0.76).normalize() * 5.0;
     let edge = pixels * 2.0 * sight.length() * math::tan(22.5f64.to_radians()) / 1000.0;
@@ -113,7 +113,7 @@ fn of_size(pixels: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
 
 /// A patch with integer coordinates, moved by `distance`. One triangle remains at the origin: otherwise the mesh
 /// would be stored relative to an offset near it, and the distance would have no effect.
-fn at_distance(distance: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+fn patch_at_distance(distance: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     // Multiples of 8, which single precision represents exactly up to 1.3e8.
     let whole = |x: f64| (x / 8.0).round() * 8.0;
     let offset = DVec3::new(0.62, 0.48, 0.62) * distance;
@@ -147,7 +147,7 @@ fn with_anchor(hills: &Mesh) -> Mesh {
 
 /// A flat patch at an arbitrary place, its vertices displaced within its plane, seen at an angle to the plane, in
 /// degrees.
-fn at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
+fn patch_at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError> {
     let mut random = Random::new(13);
     let middle = DVec3::new(3.1, -1.7, 2.9);
     let normal = DVec3::new(0.3, 0.8, 0.52).normalize();
@@ -198,7 +198,7 @@ pub fn measure(
             parsing: None,
         };
         let subject = Subject::new(&input, budget.simd, library)?;
-        let pixels = pixels_by_lot(&camera, budget.breaking);
+        let pixels = random_pixels(&camera, budget.breaking);
         let checked = KnownAnswers::new(&subject.stage, Vec::new(), vec![(camera, pixels)]);
         for caster in &subject.casters {
             let errors = checked.errors(caster.as_ref(), budget.tests);
@@ -219,7 +219,7 @@ pub fn measure(
     // From left to right in the chart.
     let axis = sweep.axis(&sweep.places());
     for curve in &mut curves {
-        let place = |point: &(f64, u64, u64)| axis.place(point.0);
+        let place = |point: &(f64, u64, u64)| axis.position(point.0);
         curve.points.sort_by(|a, b| place(a).total_cmp(&place(b)));
     }
     Ok(curves)
@@ -239,7 +239,7 @@ pub fn show(section: &mut Section, sweep: BreakingSweep, curves: &[BreakingCurve
         .iter()
         .flat_map(|curve| curve.points.iter().map(|point| point.1));
     let never: Vec<&str> = whole.iter().map(|curve| curve.caster.as_str()).collect();
-    section.say(format!(
+    section.paragraph(format!(
         "Never wrong here, in {} rays a dot ({} for brute force): {}.",
         grouped(rays.clone().max().unwrap_or(0)),
         grouped(rays.min().unwrap_or(0)),
@@ -272,7 +272,10 @@ fn chart(
     whole: &[&BreakingCurve],
 ) -> Chart {
     let places = sweep.places();
-    let mut series: Vec<Series> = alike(broken).iter().map(|alike| line(alike)).collect();
+    let mut series: Vec<Series> = group_identical(broken)
+        .iter()
+        .map(|alike| line(alike))
+        .collect();
     // All casters without errors share one line and one label.
     if let Some(first) = whole.first() {
         series.push(Series::line(
@@ -341,7 +344,7 @@ fn line(alike: &[&BreakingCurve]) -> Series {
 }
 
 /// Groups curves that are identical and whose casters have the same colour.
-fn alike<'a>(curves: &[&'a BreakingCurve]) -> Vec<Vec<&'a BreakingCurve>> {
+fn group_identical<'a>(curves: &[&'a BreakingCurve]) -> Vec<Vec<&'a BreakingCurve>> {
     let mut groups: Vec<Vec<&BreakingCurve>> = Vec::new();
     for &curve in curves {
         let same = |group: &&mut Vec<&BreakingCurve>| {

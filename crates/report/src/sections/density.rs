@@ -278,7 +278,7 @@ pub fn show(section: &mut Section, pictures: &Pictures) -> Result<(), ReportErro
         section.chart(&format!("d-{short_name}"), chart);
     }
     let crops = crops(pictures)?;
-    section.say(format!(
+    section.paragraph(format!(
         "Where the picture changes most, magnified: few rays to the left, {samples} samples a pixel to \
          the right.\n\n![Crops of the same place with more and more rays](d-crops.png)"
     ));

@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug)]
 pub struct FeatureCost {
     /// The feature's name.
-    pub thing: &'static str,
+    pub feature: &'static str,
     /// Milliseconds with it, and without it.
     pub used: [Spread; 2],
     /// Milliseconds if the scene has it and the picture does not use it; `None` if that is impossible.
@@ -33,7 +33,7 @@ pub struct FeatureCost {
 }
 
 /// A picture that is rendered repeatedly.
-struct Repeated {
+struct TimedPicture {
     view: View,
     /// Whether it records statistics with a clock, as `--stats` and the window do.
     counted: bool,
@@ -54,37 +54,40 @@ pub fn measure(
     let texture = checkers();
     let eight = Scene {
         objects: (0..8)
-            .map(|part| Object::new("part", Arc::new(eighth(&plain, part))))
+            .map(|part| Object::new("part", Arc::new(every_eighth_triangle(&plain, part))))
             .collect(),
     };
     let wired = {
-        let mut settings = shaded(Mode::Flat);
+        let mut settings = settings_for(Mode::Flat);
         settings.shading.wireframe = Some(Wireframe::default());
         settings
     };
     let layered = Settings {
         layers: true,
-        ..shaded(Mode::Flat)
+        ..settings_for(Mode::Flat)
     };
-    let picture = |scene: Scene, settings: Settings| Repeated::new(scene, settings, budget);
-    let flat = || picture(scene_of(&plain, None), shaded(Mode::Flat));
+    let picture = |scene: Scene, settings: Settings| TimedPicture::new(scene, settings, budget);
+    let flat = || picture(scene_of(&plain, None), settings_for(Mode::Flat));
     // Flat shading shows textures. This texture is present, but has no effect with a blend factor of zero.
-    let mut unblended = shaded(Mode::Flat);
+    let mut unblended = settings_for(Mode::Flat);
     unblended.shading.blend = 0.0;
     let flat_textured = picture(scene_of(&mapped, texture.as_ref()), unblended)?;
-    let counted = Repeated {
+    let counted = TimedPicture {
         counted: true,
         ..flat()?
     };
     let pictures = [
         flat()?,
-        picture(scene_of(&normals, None), shaded(Mode::Smooth))?,
-        picture(scene_of(&normals, None), shaded(Mode::Flat))?,
-        picture(scene_of(&mapped, texture.as_ref()), shaded(Mode::Texture))?,
+        picture(scene_of(&normals, None), settings_for(Mode::Smooth))?,
+        picture(scene_of(&normals, None), settings_for(Mode::Flat))?,
+        picture(
+            scene_of(&mapped, texture.as_ref()),
+            settings_for(Mode::Texture),
+        )?,
         flat_textured,
         picture(scene_of(&plain, None), wired)?,
         picture(scene_of(&plain, None), layered)?,
-        picture(eight, shaded(Mode::Flat))?,
+        picture(eight, settings_for(Mode::Flat))?,
         counted,
     ];
     // The differences are small, so they need more measurements.
@@ -110,8 +113,8 @@ pub fn measure(
     let pixels = f64::from(budget.size.0) * f64::from(budget.size.1);
     let accel_bytes = |at: usize| pictures[at].view.accel.retained_bytes() as f64;
     let cost =
-        |thing, with: Spread, without: Spread, unused: Option<Spread>, bytes: f64| FeatureCost {
-            thing,
+        |feature, with: Spread, without: Spread, unused: Option<Spread>, bytes: f64| FeatureCost {
+            feature,
             used: [with, without],
             unused,
             bytes,
@@ -152,7 +155,7 @@ pub fn measure(
             pixels * channel_bytes().iter().map(|c| c.1).sum::<f64>(),
         ),
     ];
-    costs.sort_by(|a, b| a.thing.cmp(b.thing));
+    costs.sort_by(|a, b| a.feature.cmp(b.feature));
     Ok(costs)
 }
 
@@ -165,7 +168,7 @@ fn scene_of(mesh: &Arc<Mesh>, texture: Option<&Arc<Texture>>) -> Scene {
     }
 }
 
-fn shaded(mode: Mode) -> Settings {
+fn settings_for(mode: Mode) -> Settings {
     Settings {
         shading: Shading {
             mode,
@@ -176,7 +179,7 @@ fn shaded(mode: Mode) -> Settings {
     }
 }
 
-impl Repeated {
+impl TimedPicture {
     fn new(scene: Scene, settings: Settings, budget: &ReportBudget) -> Result<Self, ReportError> {
         let camera = views::filling(&scene, budget.size, views::FOV, 1.0)?;
         let accel = Arc::new(Accel::build(&scene)?.with_simd(budget.simd));
@@ -215,16 +218,19 @@ impl Repeated {
 
 /// Bytes per pixel of each optional channel of a picture.
 fn channel_bytes() -> [(&'static str, f64); 6] {
-    fn of<T>(_: fn(Layers) -> Vec<T>) -> f64 {
+    fn bytes_per_value<T>(_: fn(Layers) -> Vec<T>) -> f64 {
         size_of::<T>() as f64
     }
     [
-        ("R G B A, linear light", of(|layers| layers.color)),
-        ("Z", of(|layers| layers.depth)),
-        ("id.object", of(|layers| layers.object)),
-        ("id.triangle", of(|layers| layers.triangle)),
-        ("N.X N.Y N.Z", of(|layers| layers.normal)),
-        ("uv.U uv.V", of(|layers| layers.uv)),
+        (
+            "R G B A, linear light",
+            bytes_per_value(|layers| layers.color),
+        ),
+        ("Z", bytes_per_value(|layers| layers.depth)),
+        ("id.object", bytes_per_value(|layers| layers.object)),
+        ("id.triangle", bytes_per_value(|layers| layers.triangle)),
+        ("N.X N.Y N.Z", bytes_per_value(|layers| layers.normal)),
+        ("uv.U uv.V", bytes_per_value(|layers| layers.uv)),
     ]
 }
 
@@ -232,7 +238,7 @@ fn channel_bytes() -> [(&'static str, f64); 6] {
 fn ball(triangles: u32, normals: bool, uvs: bool) -> Arc<Mesh> {
     let ball = bumpy_sphere(triangles);
     let positions = positions(&ball);
-    let attribute = |wanted: bool| wanted.then_some(());
+    let attribute = |is_present: bool| is_present.then_some(());
     Arc::new(Mesh::new(MeshData {
         triangles: ball.triangles().to_vec(),
         normals: attribute(normals).map(|()| Attribute {
@@ -259,7 +265,7 @@ fn positions(mesh: &Mesh) -> Vec<DVec3> {
 }
 
 /// Every eighth triangle of a mesh, from the triangle `part` on.
-fn eighth(mesh: &Mesh, part: usize) -> Mesh {
+fn every_eighth_triangle(mesh: &Mesh, part: usize) -> Mesh {
     Mesh::new(MeshData {
         positions: positions(mesh),
         triangles: mesh
@@ -291,7 +297,7 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
     let more = |cost: &FeatureCost| (cost.used[0].median - cost.used[1].median).max(0.0);
     let mut series = Vec::new();
     for (cost, ink) in costs.iter().zip(Ink::ALL) {
-        series.push(Series::dot(cost.thing, (more(cost), cost.bytes), ink));
+        series.push(Series::dot(cost.feature, (more(cost), cost.bytes), ink));
     }
     let base = costs.first().map_or(0.0, |cost| cost.used[1].median);
     let dearest = costs.iter().max_by(|a, b| more(a).total_cmp(&more(b)));
@@ -299,7 +305,7 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
         title: match dearest {
             Some(cost) => format!(
                 "What costs the most time: {}, {} ms on top of {}",
-                cost.thing,
+                cost.feature,
                 short(more(cost)),
                 short(base)
             ),
@@ -328,7 +334,7 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
     for cost in costs {
         let [with, without] = cost.used;
         table.row(vec![
-            cost.thing.into(),
+            cost.feature.into(),
             Cell::short(without.median),
             cost.unused
                 .map_or(Cell::Empty, |time| Cell::short(time.median)),
@@ -339,9 +345,9 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
             Cell::short(0.0),
         ]);
     }
-    section.say(unused(costs));
+    section.paragraph(describe_unused(costs));
     section.table("e-cost", table);
-    section.say("Channels beside the 8-bit colours, by the pixel (kept for `.exr` alone):");
+    section.paragraph("Channels beside the 8-bit colours, by the pixel (kept for `.exr` alone):");
     let mut table = Table::new(&["channel", "bytes a pixel"]);
     for (channel, bytes) in channel_bytes() {
         table.row(vec![channel.into(), Cell::short(bytes)]);
@@ -350,8 +356,8 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
 }
 
 /// Describes the cost of features that are present but unused.
-fn unused(costs: &[FeatureCost]) -> String {
-    let told: Vec<String> = costs
+fn describe_unused(costs: &[FeatureCost]) -> String {
+    let comparisons: Vec<String> = costs
         .iter()
         .filter_map(|cost| {
             let [_, without] = cost.used;
@@ -360,7 +366,7 @@ fn unused(costs: &[FeatureCost]) -> String {
             let more = unused.median - without.median;
             Some(format!(
                 "{}: {more:+.3} ms, {} the noise of {noise:.3} ms",
-                cost.thing,
+                cost.feature,
                 if more.abs() <= 2.0 * noise {
                     "within"
                 } else {
@@ -372,6 +378,6 @@ fn unused(costs: &[FeatureCost]) -> String {
     format!(
         "There but not used ({}). A difference within twice the deviation is noise; the rest of the \
          things cannot be there without being used.",
-        told.join("; ")
+        comparisons.join("; ")
     )
 }

@@ -121,7 +121,7 @@ fn board() -> Scene {
 /// Adds the table and its explanation.
 pub fn show(section: &mut Section, budget: &ReportBudget, filtered: &[Filtered]) {
     let (width, height) = budget.compared;
-    section.say(format!(
+    section.paragraph(format!(
         "Texture filters on a checkerboard that reaches to the horizon, {width} × {height} at one ray a \
          pixel, against {} rays a pixel: root mean square of 8-bit values, and FLIP.",
         budget.samples

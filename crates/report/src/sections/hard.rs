@@ -1,13 +1,13 @@
 //! The hard cases: which casters fail in which.
 
 use super::Section;
-use super::numerics::{self, Standing};
+use super::numerics::{self, CasterSummary};
 use crate::budget::ReportBudget;
 use crate::cases::{self, Case, CaseTheme, Setting};
 use crate::casters::{Caster, Rays};
 use crate::embree::Embree;
 use crate::errors::Errors;
-use crate::known_answers::{KnownAnswers, pixels_by_lot};
+use crate::known_answers::{KnownAnswers, random_pixels};
 use crate::progress::ReportProgress;
 use crate::subject::{self, Input, Subject};
 use crate::table::{ReportError, Table, grouped};
@@ -57,10 +57,10 @@ pub fn measure(
         for mut setting in open.take(budget.variants) {
             setting.cameras.truncate(budget.cameras);
             let rays = setting.rays(budget.hard, 1);
-            let subject = Subject::new(&as_input(&case, &setting), budget.simd, library)?;
+            let subject = Subject::new(&input(&case, &setting), budget.simd, library)?;
             let each = budget.hard / setting.cameras.len().max(1);
             let pictures = setting.cameras.iter();
-            let pictures = pictures.map(|camera| (*camera, pixels_by_lot(camera, each)));
+            let pictures = pictures.map(|camera| (*camera, random_pixels(camera, each)));
             let checked = KnownAnswers::new(&subject.stage, rays, pictures.collect());
             for caster in &subject.casters {
                 let caster = caster.as_ref();
@@ -81,7 +81,7 @@ pub fn measure(
     Ok(outcomes)
 }
 
-fn as_input(case: &Case, setting: &Setting) -> Input {
+fn input(case: &Case, setting: &Setting) -> Input {
     Input {
         name: case.name.to_owned(),
         scene: Arc::new(setting.scene.clone()),
@@ -109,9 +109,9 @@ fn speed(
         _ => Vec::new(),
     };
     let rays = checked.rays(caster);
-    let affordable = match caster.tries() {
+    let affordable = match caster.tests_per_ray() {
         0 => rays.len(),
-        tries => rays.len().min((budget.tests / 100 / tries).max(1)),
+        each => rays.len().min((budget.tests / 100 / each).max(1)),
     };
     for _ in 0..budget.rounds.div_ceil(3) {
         let started = Instant::now();
@@ -130,21 +130,21 @@ fn speed(
 }
 
 /// The results of each caster over all cases.
-pub fn over_cases(outcomes: &Outcomes) -> Vec<Standing> {
+pub fn summarize_cases(outcomes: &Outcomes) -> Vec<CasterSummary> {
     let casters = outcomes.casters.iter();
-    casters.map(|caster| standing(outcomes, caster)).collect()
+    casters.map(|caster| summary(outcomes, caster)).collect()
 }
 
-/// Adds plot A for the hard cases, whose `standings` are those of [`over_cases`], and a table of which casters fail
+/// Adds plot A for the hard cases, whose `summaries` are those of [`summarize_cases`], and a table of which casters fail
 /// where.
-pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) {
-    section.say("### Hard cases");
+pub fn show(section: &mut Section, outcomes: &Outcomes, summaries: &[CasterSummary]) {
+    section.paragraph("### Hard cases");
     let rays: u64 = outcomes
         .cases
         .iter()
         .filter_map(|(_, casters)| casters.values().map(|outcome| outcome.errors.rays).max())
         .sum();
-    section.say(format!(
+    section.paragraph(format!(
         "{} places where known ray casters go wrong, {} rays at most: aimed at edges and corners, far \
          from the origin, at slivers, ties, zeros and huge numbers. A share of wrong answers here is \
          no rate that ordinary pictures have; that there are any is what counts. Speeds are of one \
@@ -152,7 +152,7 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
         outcomes.cases.len(),
         grouped(rays)
     ));
-    numerics::show(section, "a-hard", "hard cases", standings, 1);
+    numerics::show(section, "a-hard", "hard cases", summaries, 1);
     let mut summary = Table::new(&[
         "caster",
         "leaks",
@@ -161,9 +161,9 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
         "wrong in these cases",
     ]);
     for caster in &outcomes.casters {
-        let errors = of_caster(outcomes, caster).map(|(_, outcome)| outcome.errors.clone());
+        let errors = outcomes_of(outcomes, caster).map(|(_, outcome)| outcome.errors.clone());
         let errors = Errors::sum(errors);
-        let wrong: Vec<String> = of_caster(outcomes, caster)
+        let wrong: Vec<String> = outcomes_of(outcomes, caster)
             .filter(|(_, outcome)| outcome.errors.wrong() > 0)
             .map(|(case, outcome)| {
                 let (wrong, rays) = (outcome.errors.wrong(), outcome.errors.rays);
@@ -191,7 +191,7 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
             let errors = &outcome.errors;
             numbers.row(vec![
                 case.name.into(),
-                case.trouble.into(),
+                case.difficulty.into(),
                 caster.as_str().into(),
                 errors.rays.into(),
                 errors.leaks.into(),
@@ -203,7 +203,7 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, standings: &[Standing]) 
     section.numbers("hard-cases", numbers);
 }
 
-fn of_caster<'a>(
+fn outcomes_of<'a>(
     outcomes: &'a Outcomes,
     caster: &'a str,
 ) -> impl Iterator<Item = (&'a Case, &'a Outcome)> {
@@ -211,15 +211,15 @@ fn of_caster<'a>(
     cases.filter_map(move |(case, casters)| Some((case, casters.get(caster)?)))
 }
 
-fn standing(outcomes: &Outcomes, caster: &str) -> Standing {
+fn summary(outcomes: &Outcomes, caster: &str) -> CasterSummary {
     let (mut rays, mut seconds) = (0, 0.0);
     let mut errors = Errors::default();
-    for (_, outcome) in of_caster(outcomes, caster) {
+    for (_, outcome) in outcomes_of(outcomes, caster) {
         rays += outcome.timed_rays;
         seconds += outcome.time.as_secs_f64();
         errors = Errors::sum([errors, outcome.errors.clone()]);
     }
-    Standing {
+    CasterSummary {
         name: caster.to_owned(),
         mrays: rays as f64 / seconds / 1e6,
         wrong: errors.wrong(),
@@ -236,22 +236,22 @@ mod tests {
     /// oracle has changed; find out which before you update the file.
     const EXPECTED: &str = include_str!("hard_failures.txt");
 
-    fn told(outcomes: &Outcomes) -> String {
-        let mut told = String::new();
+    fn failures(outcomes: &Outcomes) -> String {
+        let mut failures = String::new();
         for caster in outcomes
             .casters
             .iter()
             .filter(|caster| !caster.starts_with("RayCast"))
         {
-            for (case, outcome) in of_caster(outcomes, caster) {
+            for (case, outcome) in outcomes_of(outcomes, caster) {
                 let errors = &outcome.errors;
                 if errors.wrong() > 0 {
                     let (wrong, rays) = (errors.wrong(), errors.rays);
-                    let _ = writeln!(told, "{caster}: {}: {wrong} of {rays}", case.name);
+                    let _ = writeln!(failures, "{caster}: {}: {wrong} of {rays}", case.name);
                 }
             }
         }
-        told
+        failures
     }
 
     #[test]
@@ -267,19 +267,19 @@ mod tests {
             .filter(|caster| caster.contains("exact"));
         assert!(exact.clone().count() >= 2);
         for caster in exact {
-            let errors = of_caster(&outcomes, caster).map(|(_, outcome)| outcome.errors.clone());
+            let errors = outcomes_of(&outcomes, caster).map(|(_, outcome)| outcome.errors.clone());
             assert_eq!(Errors::sum(errors).wrong(), 0, "{caster}");
         }
-        let told = told(&outcomes);
+        let failures = failures(&outcomes);
         let is_known = |line: &&str| EXPECTED.lines().any(|known| known == *line);
-        let news: Vec<&str> = told.lines().filter(|line| !is_known(line)).collect();
-        let gone = EXPECTED
+        let unexpected: Vec<&str> = failures.lines().filter(|line| !is_known(line)).collect();
+        let missing = EXPECTED
             .lines()
-            .filter(|known| !told.lines().any(|line| line == *known));
-        let gone: Vec<&str> = gone.collect();
+            .filter(|known| !failures.lines().any(|line| line == *known));
+        let missing: Vec<&str> = missing.collect();
         assert!(
-            news.is_empty() && gone.is_empty(),
-            "new: {news:#?}\ngone: {gone:#?}"
+            unexpected.is_empty() && missing.is_empty(),
+            "new: {unexpected:#?}\ngone: {missing:#?}"
         );
     }
 }

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 
 /// The traversal of one tile, as numbers and as a figure.
 #[derive(Clone, Debug)]
-pub struct Descent {
+pub struct TileTraversal {
     name: String,
     table: Table,
     png: Vec<u8>,
@@ -24,7 +24,7 @@ pub struct Descent {
 ///
 /// # Errors
 /// A scene that cannot be built, a figure that cannot be drawn.
-pub fn measure(input: &Input, simd: Simd) -> Result<Option<Descent>, ReportError> {
+pub fn measure(input: &Input, simd: Simd) -> Result<Option<TileTraversal>, ReportError> {
     let accel = Accel::build(&input.scene)?.with_simd(simd);
     let camera = views::filling(&input.scene, SIZE, views::FOV, 1.1)?;
     let Some(chosen) = choose(&accel, &camera) else {
@@ -32,7 +32,7 @@ pub fn measure(input: &Input, simd: Simd) -> Result<Option<Descent>, ReportError
     };
     let (center, radius) = input.scene.bounding_sphere();
     let figure = LevelFigure::new(&accel, &camera, &chosen, center, radius)?;
-    Ok(Some(Descent {
+    Ok(Some(TileTraversal {
         name: input.name.clone(),
         table: numbers(&accel, &chosen),
         png: figure.sheet()?,
@@ -103,23 +103,23 @@ fn distinct<'a>(primitives: impl Iterator<Item = &'a Vec<u32>>) -> usize {
 }
 
 /// Adds the figure and the numbers.
-pub fn show(section: &mut Section, shown: Descent) {
-    section.say("## F. A tile's way down the tree");
-    section.say(format!(
+pub fn show(section: &mut Section, shown: TileTraversal) {
+    section.paragraph("## F. A tile's way down the tree");
+    section.paragraph(format!(
         "One tile of a picture of {}, as it is cast. Its frustum walks down the tree until it has a short \
          list of subtrees that it touches; each of its packets starts from that list, and sets up what its \
          own frustum reaches and nothing nearer hides. A large triangle is tested against whole cells of rays before \
          single rows of them.",
         shown.name
     ));
-    section.say(
+    section.paragraph(
         "![The frusta of a tile, a packet and a cell, and the triangles that each leaves]\
          (f-levels.png)",
     );
     section
         .pictures
         .push(("f-levels.png".to_owned(), shown.png));
-    section.say(
+    section.paragraph(
         "The packet is one of the tile's, the cell one of the packet's. In reach are all triangles of \
          the scene, those of the tile's subtrees, those of the leaves that the packet comes to. Set up for \
          the tile is what any of its packets sets up.",

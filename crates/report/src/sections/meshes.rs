@@ -64,7 +64,7 @@ pub fn measure(
     );
     let speeds = speeds(&subject.casters, &camera, budget, progress);
     progress.begin("errors", subject.casters.len() as u64 + 1);
-    let pixels = known_answers::pixels_by_lot(&camera, budget.checked);
+    let pixels = known_answers::random_pixels(&camera, budget.checked);
     let checked = KnownAnswers::new(stage, Vec::new(), vec![(camera, pixels)]);
     progress.step();
     let errors = subject.casters.iter().map(|caster| {
@@ -72,14 +72,14 @@ pub fn measure(
         progress.step();
         errors
     });
-    let (hits, shown) = seen(subject, &camera);
+    let (hits, visible) = count_visible(subject, &camera);
     let pixels = budget.size.0 as usize * budget.size.1 as usize;
     let accel = &stage.accel;
     Ok(MeshFigures {
         name: subject.name.clone(),
         triangles: stage.scene.triangle_count(),
         hit_share: hits as f64 / pixels as f64,
-        density: shown as f64 / hits.max(1) as f64,
+        density: visible as f64 / hits.max(1) as f64,
         parse_ms: subject.parsing.map(|time| time.as_secs_f64() * 1e3),
         build_ms: subject.building.as_secs_f64() * 1e3,
         bytes_per_triangle: accel.retained_bytes() as f64 / accel.len().max(1) as f64,
@@ -105,8 +105,8 @@ const LONG_FRAME: f64 = 0.15;
 /// every eighth row.
 fn affordable_stride(caster: &dyn Caster, camera: &Camera, tests: usize) -> u32 {
     const SAMPLE: u32 = 8;
-    if caster.tries() > 0 {
-        return stride(camera, caster.tries(), tests);
+    if caster.tests_per_ray() > 0 {
+        return stride(camera, caster.tests_per_ray(), tests);
     }
     let sample = tiles(camera, SAMPLE);
     let started = Instant::now();
@@ -147,7 +147,7 @@ pub fn speeds(
 }
 
 /// How many rays of the picture hit a triangle, and how many distinct triangles they hit.
-fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
+fn count_visible(subject: &Subject, camera: &Camera) -> (usize, usize) {
     let plane = camera.plane();
     let rect = Rect {
         x: 0,
@@ -161,15 +161,15 @@ fn seen(subject: &Subject, camera: &Camera) -> (usize, usize) {
     let mut hits = Vec::new();
     caster.cast_lattice(&camera.sub_camera(rect).lattice(), &mut hits);
     hits.retain(|hit| !hit.is_miss());
-    let shown: HashSet<u32> = hits.iter().map(|hit| hit.primitive).collect();
-    (hits.len(), shown.len())
+    let visible: HashSet<u32> = hits.iter().map(|hit| hit.primitive).collect();
+    (hits.len(), visible.len())
 }
 
 /// The tables of all meshes and casters.
 pub fn show(meshes: &[MeshFigures], budget: &ReportBudget) -> Section {
     let mut section = Section::default();
-    section.say("## Mesh by mesh");
-    section.say(format!(
+    section.paragraph("## Mesh by mesh");
+    section.paragraph(format!(
         "Each mesh fills the frame ({}x{} rays) and is seen from the same side. *Shown triangles a \
          pixel* are the different triangles that rays meet, for each ray that meets one. Bytes are \
          the tree's and the triangles' own.",
@@ -197,7 +197,7 @@ pub fn show(meshes: &[MeshFigures], budget: &ReportBudget) -> Section {
         ]);
     }
     section.table("meshes", table);
-    section.say(
+    section.paragraph(
         "Caster by caster: *leaks* are rays that went through a surface, *wrong* all wrong triangles (leaks \
          among them), each of so many rays that the oracle was asked about; where that is none, the \
          true rate is below 3 in that many rays, with 95 % confidence. `t` is how far the distance \
@@ -249,7 +249,7 @@ pub fn show(meshes: &[MeshFigures], budget: &ReportBudget) -> Section {
 }
 
 /// `0 of 1,000 rays, so fewer than 3,000 in a million`, or `12 of 1,000 rays`.
-pub fn stated(wrong: u64, rays: u64) -> String {
+pub fn wrong_of_rays(wrong: u64, rays: u64) -> String {
     let counted = format!("{} of {} rays", grouped(wrong), grouped(rays));
     if wrong == 0 && rays > 0 {
         let bound = number(3e6 / rays as f64);

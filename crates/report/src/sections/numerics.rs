@@ -1,7 +1,7 @@
 //! Plot A: speed against errors.
 
 use super::Section;
-use super::meshes::{MeshFigures, stated};
+use super::meshes::{MeshFigures, wrong_of_rays};
 use crate::chart::{Axis, Better, Chart, Form, Ink, Series, number};
 use crate::errors::Errors;
 use crate::pareto::front;
@@ -10,7 +10,7 @@ use crate::timing::geometric_mean;
 
 /// The results of a caster over several scenes.
 #[derive(Clone, Debug)]
-pub struct Standing {
+pub struct CasterSummary {
     /// The caster's name.
     pub name: String,
     /// Millions of rays per second.
@@ -21,7 +21,7 @@ pub struct Standing {
     pub rays: u64,
 }
 
-impl Standing {
+impl CasterSummary {
     fn per_million(&self) -> f64 {
         self.wrong as f64 / self.rays.max(1) as f64 * 1e6
     }
@@ -29,7 +29,7 @@ impl Standing {
 
 /// The results of each caster over all meshes: the sum of errors, and the geometric mean of speeds. Casters that
 /// have no results for some mesh are left out.
-pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
+pub fn summarize_meshes(meshes: &[MeshFigures]) -> Vec<CasterSummary> {
     let Some(first) = meshes.first() else {
         return Vec::new();
     };
@@ -43,7 +43,7 @@ pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
         let casters = meshes.iter().map(of).collect::<Option<Vec<_>>>()?;
         let mrays = geometric_mean(casters.iter().map(|caster| caster.mrays.median));
         let errors = Errors::sum(casters.into_iter().map(|caster| caster.errors));
-        Some(Standing {
+        Some(CasterSummary {
             name: name.to_owned(),
             mrays,
             wrong: errors.wrong(),
@@ -58,22 +58,22 @@ pub fn over_meshes(meshes: &[MeshFigures]) -> Vec<Standing> {
 }
 
 /// Adds the main table: how fast each caster is, and how often it is wrong on ordinary meshes and on hard cases.
-pub fn headline(section: &mut Section, ordinary: &[Standing], hard: &[Standing]) {
+pub fn headline(section: &mut Section, ordinary: &[CasterSummary], hard: &[CasterSummary]) {
     let mut table = Table::new(&[
         "caster",
         "Mrays/s",
         "wrong triangles, ordinary meshes",
         "wrong triangles, hard cases",
     ]);
-    let stated =
-        |caster: &Standing| format!("{} of {}", grouped(caster.wrong), grouped(caster.rays));
+    let counts =
+        |caster: &CasterSummary| format!("{} of {}", grouped(caster.wrong), grouped(caster.rays));
     for caster in ordinary {
-        let of_hard = hard.iter().find(|hard| hard.name == caster.name);
+        let hard_summary = hard.iter().find(|hard| hard.name == caster.name);
         table.row(vec![
             caster.name.as_str().into(),
             Cell::short(caster.mrays),
-            stated(caster).into(),
-            of_hard.map_or(Cell::Empty, |hard| stated(hard).into()),
+            counts(caster).into(),
+            hard_summary.map_or(Cell::Empty, |hard| counts(hard).into()),
         ]);
     }
     section.table("a-headline", table);
@@ -84,10 +84,10 @@ pub fn show(
     section: &mut Section,
     name: &str,
     scenes: &str,
-    standings: &[Standing],
+    summaries: &[CasterSummary],
     threads: usize,
 ) {
-    let points: Vec<(f64, f64)> = standings
+    let points: Vec<(f64, f64)> = summaries
         .iter()
         .map(|caster| (caster.per_million(), caster.mrays))
         .collect();
@@ -97,12 +97,12 @@ pub fn show(
         ink: Ink::Black,
         form: Form::Front,
     }];
-    let most = standings
+    let most = summaries
         .iter()
         .map(|caster| caster.rays)
         .max()
         .unwrap_or(0);
-    for (caster, &point) in standings.iter().zip(&points) {
+    for (caster, &point) in summaries.iter().zip(&points) {
         let label = if caster.wrong == 0 && caster.rays != most {
             format!("{}: 0 of {}", caster.name, grouped(caster.rays))
         } else {
@@ -110,7 +110,7 @@ pub fn show(
         };
         series.push(Series::dot(label, point, Ink::of_caster(&caster.name)));
     }
-    let best = best_of_the_right(standings);
+    let best = fastest_correct(summaries);
     let rates = Axis::log(
         "wrong triangles in a million rays, against exact arithmetic",
         points.iter().map(|point| point.0),
@@ -144,24 +144,24 @@ pub fn show(
     };
     section.chart(name, chart);
     if let Some(best) = best {
-        section.say(format!(
+        section.paragraph(format!(
             "**To choose from this:** {} is the fastest caster without a wrong triangle ({}), at {} \
              million rays a second. {}",
             best.name,
-            stated(best.wrong, best.rays),
+            wrong_of_rays(best.wrong, best.rays),
             number(best.mrays),
-            faster_but_wrong(standings, best),
+            faster_with_errors(summaries, best),
         ));
     }
-    section.numbers(name, numbers(standings));
+    section.numbers(name, numbers(summaries));
 }
 
 /// The fastest caster without errors among those checked with more than half of the most rays that any was checked
 /// with. Speeds that differ by less than 5 % are taken as equal, since that is noise; the first of equals wins.
-fn best_of_the_right(standings: &[Standing]) -> Option<&Standing> {
-    let most = standings.iter().map(|caster| caster.rays).max()?;
+fn fastest_correct(summaries: &[CasterSummary]) -> Option<&CasterSummary> {
+    let most = summaries.iter().map(|caster| caster.rays).max()?;
     let right = || {
-        standings
+        summaries
             .iter()
             .filter(|caster| caster.wrong == 0 && caster.rays * 2 > most)
     };
@@ -169,15 +169,15 @@ fn best_of_the_right(standings: &[Standing]) -> Option<&Standing> {
     right().find(|caster| caster.mrays >= 0.95 * fastest)
 }
 
-fn faster_but_wrong(standings: &[Standing], best: &Standing) -> String {
-    let faster: Vec<String> = standings
+fn faster_with_errors(summaries: &[CasterSummary], best: &CasterSummary) -> String {
+    let faster: Vec<String> = summaries
         .iter()
         .filter(|caster| caster.mrays > best.mrays * 1.05 && caster.wrong > 0)
         .map(|caster| {
             format!(
                 "{} (wrong in {})",
                 caster.name,
-                stated(caster.wrong, caster.rays)
+                wrong_of_rays(caster.wrong, caster.rays)
             )
         })
         .collect();
@@ -188,9 +188,9 @@ fn faster_but_wrong(standings: &[Standing], best: &Standing) -> String {
     }
 }
 
-fn numbers(standings: &[Standing]) -> Table {
+fn numbers(summaries: &[CasterSummary]) -> Table {
     let mut table = Table::new(&["caster", "Mrays/s", "wrong", "rays", "wrong per million"]);
-    for caster in standings {
+    for caster in summaries {
         table.row(vec![
             caster.name.as_str().into(),
             Cell::short(caster.mrays),

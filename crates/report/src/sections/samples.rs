@@ -110,7 +110,7 @@ pub fn show(section: &mut Section, budget: &ReportBudget, scenes: &[SampledScene
         ("flip", "FLIP, mean: 0 is no visible difference", |d| d.flip),
     ];
     let (width, height) = (budget.compared.0.div_ceil(2), budget.compared.1.div_ceil(2));
-    section.say(format!(
+    section.paragraph(format!(
         "Samples of a pixel are the same places in all pixels, so that each is cast as a lattice in packets. \
          {width} × {height}, against the mean of 256 rays a pixel on a square lattice, which has none of \
          the samples' places; steps of 8-bit values included."

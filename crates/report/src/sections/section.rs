@@ -18,7 +18,7 @@ pub struct Section {
 
 impl Section {
     /// Adds a paragraph of text.
-    pub fn say(&mut self, text: impl AsRef<str>) {
+    pub fn paragraph(&mut self, text: impl AsRef<str>) {
         self.text.push_str(text.as_ref());
         self.text.push_str("\n\n");
     }
@@ -26,7 +26,7 @@ impl Section {
     /// Adds a chart at the current end of the text.
     pub fn chart(&mut self, name: &str, chart: Chart) {
         let line = format!("![{}]({name}.png)", chart.title);
-        self.say(line);
+        self.paragraph(line);
         self.charts.push((name.to_owned(), chart));
     }
 

@@ -2,7 +2,7 @@
 
 use super::Section;
 use crate::cameras::PROJECTIONS;
-use crate::cases::time::{Entry, GOAL, Seen};
+use crate::cases::time::{SLOWDOWN_GOAL, SceneView, TimedCase};
 use crate::progress::ReportProgress;
 use crate::subject;
 use crate::table::{Cell, ReportError, Table};
@@ -34,7 +34,7 @@ pub struct HostileCost {
 
 impl HostileCost {
     /// The ratio of the time for the picture to that for ordinary triangles.
-    pub fn times(&self) -> f64 {
+    pub fn slowdown(&self) -> f64 {
         self.cast.as_secs_f64() / self.ordinary_cast.as_secs_f64()
     }
 }
@@ -44,22 +44,22 @@ impl HostileCost {
 /// # Errors
 /// A scene that cannot be built.
 pub fn measure(
-    races: &[Entry],
+    cases: &[TimedCase],
     rounds: usize,
     progress: &dyn ReportProgress,
 ) -> Result<Vec<HostileCost>, ReportError> {
-    progress.begin("time of hostile scenes", races.len() as u64);
+    progress.begin("time of hostile scenes", cases.len() as u64);
     let mut costs = Vec::new();
-    for &Entry { name, race } in races {
-        let race = race();
-        let build = |seen: &Seen| {
+    for &TimedCase { name, scenes } in cases {
+        let scenes = scenes();
+        let build = |seen: &SceneView| {
             let started = Instant::now();
             Accel::build(&seen.scene).map(|accel| (accel, started.elapsed()))
         };
-        let (hostile, build_time) = build(&race.hostile)?;
-        let (ordinary, ordinary_build) = build(&race.ordinary)?;
+        let (hostile, build_time) = build(&scenes.hostile)?;
+        let (ordinary, ordinary_build) = build(&scenes.ordinary)?;
         for projection in PROJECTIONS {
-            let time = |accel: &Accel, seen: &Seen| {
+            let time = |accel: &Accel, seen: &SceneView| {
                 let tiles = subject::tiles(&seen.camera(projection, SIZE), 1);
                 let mut hits = Vec::new();
                 let started = Instant::now();
@@ -71,8 +71,8 @@ pub fn measure(
             };
             let [mut cast, mut ordinary_cast] = [Duration::MAX; 2];
             for _ in 0..rounds.max(1) {
-                cast = cast.min(time(&hostile, &race.hostile));
-                ordinary_cast = ordinary_cast.min(time(&ordinary, &race.ordinary));
+                cast = cast.min(time(&hostile, &scenes.hostile));
+                ordinary_cast = ordinary_cast.min(time(&ordinary, &scenes.ordinary));
             }
             costs.push(HostileCost {
                 name,
@@ -91,10 +91,10 @@ pub fn measure(
 
 /// Adds a table with a row for each scene and projection.
 pub fn show(section: &mut Section, costs: &[HostileCost]) {
-    section.say("### Time of hostile scenes");
-    section.say(format!(
+    section.paragraph("### Time of hostile scenes");
+    section.paragraph(format!(
         "What costs other kernels time without bound, beside as many ordinary triangles in the same \
-         place, by RayCast's tiles, exact, with t, u and v, on one thread. The goal is {GOAL} times as long at most."
+         place, by RayCast's tiles, exact, with t, u and v, on one thread. The goal is {SLOWDOWN_GOAL} times as long at most."
     ));
     let mut table = Table::new(&[
         "case",
@@ -116,7 +116,7 @@ pub fn show(section: &mut Section, costs: &[HostileCost]) {
             ms(cost.ordinary_build),
             ms(cost.cast),
             ms(cost.ordinary_cast),
-            Cell::short(cost.times()),
+            Cell::short(cost.slowdown()),
         ]);
     }
     section.table("hard-time", table);

@@ -326,7 +326,7 @@ fn measure_view(
     let lattices: Vec<Vec<Lattice>> = casters
         .iter()
         .map(|caster| {
-            let stride = subject::stride(&view.camera, caster.tries(), BRUTE_FORCE_TESTS);
+            let stride = subject::stride(&view.camera, caster.tests_per_ray(), BRUTE_FORCE_TESTS);
             subject::tiles(&view.camera, stride)
         })
         .collect();

@@ -198,7 +198,7 @@ fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
 
 fn stage(name: &str, scene: Scene) -> Result<Stage, Failure> {
     let accel = setup::visible(name, &scene, setup::single_tree(&scene)?)?;
-    Ok(Stage::of_parts(Arc::new(scene), Arc::new(accel))?)
+    Ok(Stage::from_parts(Arc::new(scene), Arc::new(accel))?)
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ fn hard_cases(ui: &mut Ui, out: &mut Commands) {
         for theme in CaseTheme::ALL {
             ui.menu_button(theme.name(), |ui| {
                 for case in cases::all().iter().filter(|case| case.theme == theme) {
-                    let item = ui.button(case.title()).on_hover_text(case.trouble);
+                    let item = ui.button(case.title()).on_hover_text(case.difficulty);
                     if item.clicked() {
                         out.push(Command::OpenCase(case.name));
                         ui.close();

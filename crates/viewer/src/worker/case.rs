@@ -27,7 +27,7 @@ pub fn scene(name: &str) -> Option<SceneFile> {
             mode: Mode::Color,
             ..Shading::default()
         }),
-        warnings: vec![case.trouble.to_owned()],
+        warnings: vec![case.difficulty.to_owned()],
         ..SceneFile::default()
     })
 }
