@@ -11,7 +11,7 @@ use glam::Vec3;
 pub(super) struct Compositor<'s> {
     view: &'s View,
     translucent: &'s Translucent,
-    kept: Clipped<'s>,
+    clipped: Clipped<'s>,
     layers: Layers,
 }
 
@@ -24,7 +24,7 @@ impl<'s> Compositor<'s> {
         Self {
             view,
             translucent,
-            kept: view.accel.clipped(&view.settings.clip).masked(masks),
+            clipped: view.accel.clipped(&view.settings.clip).masked(masks),
             layers: Layers::default(),
         }
     }
@@ -50,30 +50,30 @@ impl<'s> Compositor<'s> {
             return None;
         }
         let ray = camera.ray(x, y);
-        let ways = (settings.cull, settings.precision);
-        (self.layers).find(&self.kept, &ray, ways, |primitive| {
+        let options = (settings.cull, settings.precision);
+        (self.layers).find(&self.clipped, &ray, options, |primitive| {
             !shows_through(primitive)
         });
         let along = ray.direction.normalize().as_vec3();
         let mut color = Vec3::ZERO;
-        let mut left = 1.0;
+        let mut transmittance = 1.0;
         for hit in self.layers.iter() {
-            let (mut layer, covers) = shader.layer((x, y), along, &hit);
-            if let Some([r, g, b, _]) =
-                photographs.and_then(|photographs| photographs.hidden(shader, (x, y), &hit))
+            let (mut layer, opacity) = shader.layer((x, y), along, &hit);
+            if let Some([r, g, b, _]) = photographs
+                .and_then(|photographs| photographs.color_if_hidden(shader, (x, y), &hit))
             {
                 layer = Vec3::new(r, g, b);
             }
-            color += layer * (left * covers);
-            left *= 1.0 - covers;
-            if left < SEEN {
-                left = 0.0;
+            color += layer * (transmittance * opacity);
+            transmittance *= 1.0 - opacity;
+            if transmittance < SEEN {
+                transmittance = 0.0;
                 break;
             }
         }
         let [r, g, b, a] = shader.shader().behind(x, y);
-        color += Vec3::new(r, g, b) * (left * a);
-        let alpha = 1.0 - left * (1.0 - a);
+        color += Vec3::new(r, g, b) * (transmittance * a);
+        let alpha = 1.0 - transmittance * (1.0 - a);
         let color = if alpha > 0.0 {
             color / alpha
         } else {

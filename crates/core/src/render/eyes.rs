@@ -1,8 +1,9 @@
 //! Pictures for two eyes: each half is a view of its own, and tiles across the border between them are split there.
 
-use super::job::{Buffers, Job};
+use super::buffers::Buffers;
+use super::job::Job;
 use super::view::{Cancel, Clock, View};
-use super::workers::{from_the_middle, in_parallel};
+use super::workers::{center_first, in_parallel};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Rect, SamplePattern, SubCamera};
 use crate::hit::Detail;
@@ -22,16 +23,16 @@ struct Part {
 
 impl Eyes {
     /// `None` for a picture for one eye.
-    pub(super) fn of(view: &View) -> Option<Self> {
+    pub(super) fn from_view(view: &View) -> Option<Self> {
         let halves = view.camera.halves()?;
-        let of_eye = |(camera, rect)| {
+        let eye_view = |(camera, rect)| {
             let view = View {
                 camera,
                 ..view.clone()
             };
             (view, rect)
         };
-        Some(Self(halves.map(of_eye)))
+        Some(Self(halves.map(eye_view)))
     }
 
     /// The halves' shaders, with colours fitted to the whole picture.
@@ -49,7 +50,7 @@ impl Eyes {
     }
 
     /// The non-empty parts of a rectangle in the two halves.
-    fn cut(&self, rect: Rect) -> impl Iterator<Item = Part> + '_ {
+    fn parts_of(&self, rect: Rect) -> impl Iterator<Item = Part> + '_ {
         let parts = self.0.iter().enumerate().map(move |(eye, (_, half))| {
             let (x, y) = (rect.x.max(half.x), rect.y.max(half.y));
             let rect = Rect {
@@ -63,8 +64,8 @@ impl Eyes {
         parts.filter(|part| part.rect.area() > 0)
     }
 
-    fn cut_all<'r>(&self, tiles: impl Iterator<Item = &'r Rect>) -> Vec<Part> {
-        tiles.flat_map(|&tile| self.cut(tile)).collect()
+    fn parts_of_all<'r>(&self, tiles: impl Iterator<Item = &'r Rect>) -> Vec<Part> {
+        tiles.flat_map(|&tile| self.parts_of(tile)).collect()
     }
 
     fn sub_camera(&self, part: Part) -> SubCamera {
@@ -99,7 +100,7 @@ impl Eyes {
         let shaders = self.shaders(whole);
         let legend = whole.drawn_legend(&shaders[0]);
         let tiles: Vec<_> = tiles.iter().map(|&tile| part.part(tile).rect).collect();
-        let parts = self.cut_all(tiles.iter());
+        let parts = self.parts_of_all(tiles.iter());
         let pattern = whole.settings.sample_pattern();
         let picture = Mutex::new(picture);
         let buffers = || self.buffers(&shaders);
@@ -120,7 +121,7 @@ impl Eyes {
 
     /// As [`View::cast`].
     pub(super) fn cast(&self, whole: &View, tiles: &[Rect], detail: Detail) -> TileStats {
-        let parts = self.cut_all(tiles.iter());
+        let parts = self.parts_of_all(tiles.iter());
         let sum = Mutex::new(TileStats::default());
         let shaders = self.shaders(whole);
         let buffers = || self.buffers(&shaders);
@@ -145,7 +146,7 @@ impl Eyes {
         let pattern = whole.settings.sample_pattern();
         let mut picture = Picture::blank(rect.width, rect.height, whole.settings.layers);
         let mut stats = TileStats::default();
-        for part in self.cut(rect) {
+        for part in self.parts_of(rect) {
             let tile = self.finish(part, &pattern, clock, &mut buffers);
             let at = Rect {
                 x: part.rect.x - rect.x,
@@ -174,9 +175,13 @@ impl Eyes {
         (clock, cancel): (Clock<'_>, &Cancel),
         sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
-        let order = from_the_middle(tiles, whole.camera.plane());
+        let order = center_first(tiles, whole.camera.plane());
         let job = |part: Part| (part.eye, Mutex::new(Job::new(self.sub_camera(part))));
-        let jobs: Vec<_> = self.cut_all(order.iter()).into_iter().map(job).collect();
+        let jobs: Vec<_> = self
+            .parts_of_all(order.iter())
+            .into_iter()
+            .map(job)
+            .collect();
         let shaders = self.shaders(whole);
         let legend = whole.drawn_legend(&shaders[0]);
         let buffers = || self.buffers(&shaders);

@@ -292,10 +292,10 @@ fn blended_panes_are_composited_in_the_order_of_the_ray() {
     objects.remove(0);
     // With premultiplied alpha.
     assert_eq!(color(&objects, Mode::Color), [0.0, 0.25, 0.0, 0.25]);
-    let [_, _, _, covers] = color(&objects, Mode::XRay);
+    let [_, _, _, opacity] = color(&objects, Mode::XRay);
     let straight = DVec3::new(0.5, 0.7, 3.0).normalize().z;
     let expected = 0.5 / (0.5 + 0.5 * straight as f32);
-    assert!((covers - expected).abs() < 1e-5, "{covers} {expected}");
+    assert!((opacity - expected).abs() < 1e-5, "{opacity} {expected}");
 }
 
 #[test]

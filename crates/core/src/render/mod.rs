@@ -1,5 +1,6 @@
 //! From a view to a picture: tiles, passes and samples, in parallel.
 
+mod buffers;
 mod compositor;
 mod defaults;
 mod eyes;
@@ -19,6 +20,7 @@ mod recipe;
 #[cfg(test)]
 mod section_tests;
 mod tile;
+mod tile_renderer;
 mod view;
 mod workers;
 
@@ -27,4 +29,4 @@ pub use defaults::render;
 pub use pass::{Pass, Passes};
 pub use tile::{Tile, TileStats};
 pub use view::{Cancel, Clock, Settings, View};
-pub use workers::from_the_middle;
+pub use workers::center_first;

@@ -1,9 +1,10 @@
 //! Rendering a view's tiles on many threads.
 
+use super::buffers::Buffers;
 use super::eyes::Eyes;
-use super::job::{Buffers, Job};
+use super::job::Job;
 use super::view::{Cancel, Clock, Settings, View};
-use super::workers::{from_the_middle, in_parallel};
+use super::workers::{center_first, in_parallel};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Grid, Rect, SamplePattern, SubCamera};
 use crate::hit::Detail;
@@ -66,7 +67,7 @@ impl View {
         picture: &mut Picture,
     ) -> bool {
         let rect = part.rect;
-        if let Some(eyes) = Eyes::of(self) {
+        if let Some(eyes) = Eyes::from_view(self) {
             let tiles = grid.tiles(rect.width, rect.height);
             return eyes.render_into((self, part), &tiles, (clock, cancel), sink, picture);
         }
@@ -110,7 +111,7 @@ impl View {
     pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
-        if let Some(eyes) = Eyes::of(self) {
+        if let Some(eyes) = Eyes::from_view(self) {
             return eyes.cast(self, &tiles, detail);
         }
         let sum = Mutex::new(TileStats::default());
@@ -131,7 +132,7 @@ impl View {
 
     /// Renders what a sub-camera of the view's camera sees, on this thread.
     pub fn render_sub_camera(&self, sub_camera: SubCamera, clock: Clock<'_>) -> Tile {
-        if let Some(eyes) = Eyes::of(self) {
+        if let Some(eyes) = Eyes::from_view(self) {
             return eyes.render_sub_camera(self, sub_camera.rect, clock);
         }
         let shader = self.shader();
@@ -160,11 +161,11 @@ impl View {
         cancel: &Cancel,
         sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
-        if let Some(eyes) = Eyes::of(self) {
+        if let Some(eyes) = Eyes::from_view(self) {
             return eyes.render_progressively(self, tiles, passes, (clock, cancel), sink);
         }
         let plane = self.camera.plane();
-        let order = from_the_middle(tiles, plane);
+        let order = center_first(tiles, plane);
         let jobs: Vec<_> = order
             .into_iter()
             .map(|rect| Mutex::new(Job::new(self.camera.sub_camera(rect))))
@@ -228,7 +229,7 @@ impl View {
             .with_overlay(clip);
         match shader
             .fits_depth()
-            .then(|| self.depths_seen(shader.masks()))
+            .then(|| self.visible_depths(shader.masks()))
             .flatten()
         {
             Some(seen) => shader.with_depths(seen),
@@ -238,7 +239,7 @@ impl View {
 
     /// The depths of the nearest and the farthest hit of a sparse lattice over the whole picture, the same for every
     /// part of it. `None` if no ray hits anything.
-    fn depths_seen(&self, masks: Option<&Masks<'_>>) -> Option<[f32; 2]> {
+    fn visible_depths(&self, masks: Option<&Masks<'_>>) -> Option<[f32; 2]> {
         let plane = self.camera.plane();
         let stride = DEPTH_STRIDE.max(plane.columns.max(plane.rows).div_ceil(DEPTH_RAYS));
         let lattice = self.camera.whole().sparse_lattice(stride, (0, 0));

@@ -13,10 +13,11 @@ pub struct Passes;
 
 impl Passes {
     /// From coarse to fine (every `first_stride`-th ray, then half of that, down to every ray), then twice as many
-    /// samples each time, up to `samples`. `first_stride` is rounded up to a power of two; zeros count as one.
+    /// samples each time, up to `samples`. `first_stride` is rounded up to a power of two, at most 2³¹; zeros count as
+    /// one.
     pub fn plan(first_stride: u32, samples: u32) -> Vec<Pass> {
         let mut passes = Vec::new();
-        let mut stride = first_stride.max(1).next_power_of_two();
+        let mut stride = first_stride.clamp(1, 1 << 31).next_power_of_two();
         while stride > 0 {
             passes.push(Pass { stride, samples: 1 });
             stride /= 2;

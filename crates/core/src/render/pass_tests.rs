@@ -96,8 +96,8 @@ fn coarse_passes_fill_every_pixel_from_its_block() {
             } = tile.rect;
             for (place, &pixel) in (0..).zip(&tile.pixels) {
                 let (x, y) = (place % width, place / width);
-                let of = |at: u32| at / pass.stride * pass.stride;
-                let expected = at(left + of(x), top + of(y));
+                let block_start = |at: u32| at / pass.stride * pass.stride;
+                let expected = at(left + block_start(x), top + block_start(y));
                 assert_eq!(pixel, expected, "({x}, {y}) of {:?} in {pass:?}", tile.rect);
                 shown += u32::from(pixel != at(0, 0));
             }
@@ -105,6 +105,34 @@ fn coarse_passes_fill_every_pixel_from_its_block() {
         }
         assert!(shown > 1000, "{shown}");
     }
+}
+
+/// The first stride saturates at the greatest power of two that a `u32` holds.
+#[test]
+fn a_first_stride_of_any_size_ends_with_every_ray() {
+    let strides = |first| Passes::plan(first, 1).into_iter().map(|pass| pass.stride);
+    let halved = || (0..32).rev().map(|power| 1 << power);
+    for first in [1 << 31, (1 << 31) + 1, u32::MAX] {
+        assert!(strides(first).eq(halved()), "{first}");
+    }
+    assert!(strides(0).eq([1]) && strides(5).eq([8, 4, 2, 1]));
+
+    let view = view();
+    let whole = [Rect {
+        x: 0,
+        y: 0,
+        width: 77,
+        height: 45,
+    }];
+    let passes = Passes::plan(u32::MAX, 1);
+    let (come, done) = progress(&view, &whole, &passes, &Cancel::default(), |_| ());
+    assert!(done && come.len() == 32);
+    let expected = view
+        .render(Grid::default(), CLOCK, &Cancel::default(), &|_| ())
+        .expect("nothing cancels it");
+    let coarsest = &come[0].1.pixels;
+    assert!(coarsest.iter().all(|pixel| *pixel == expected.pixels[0]));
+    assert_eq!(come[31].1.pixels, expected.pixels);
 }
 
 /// After cancelling no tile is started, within a pass or between two; tiles that arrived are whole.

@@ -143,7 +143,7 @@ fn a_photograph_of_the_scene_gives_its_colors_back() {
 /// A square over a floor, halfway to the eye, hides a square of the floor twice as wide; beyond the image's frame
 /// nothing is projected.
 #[test]
-fn covers_and_the_frame_bound_what_a_photograph_shows() {
+fn occluders_and_the_frame_bound_what_a_photograph_shows() {
     let floor = Shape::Plane {
         size: DVec2::splat(8.0),
     };

@@ -10,21 +10,21 @@ use crate::single::Clipped;
 /// These rays hit what the picture's rays can hit, and are always cast exactly.
 #[derive(Debug)]
 pub(super) struct Photographs<'s> {
-    kept: Clipped<'s>,
+    clipped: Clipped<'s>,
     cull: Cull,
 }
 
 impl<'s> Photographs<'s> {
     pub(super) fn new(view: &'s View, masks: Option<&'s Masks<'s>>) -> Self {
         Self {
-            kept: view.accel.clipped(&view.settings.clip).masked(masks),
+            clipped: view.accel.clipped(&view.settings.clip).masked(masks),
             cull: view.settings.cull,
         }
     }
 
     /// The colour of the sample at (x, y) of the picture (linear light, straight alpha) if its hit has a photograph
     /// whose camera does not see the hit; `None` otherwise.
-    pub(super) fn hidden(
+    pub(super) fn color_if_hidden(
         &self,
         shader: &mut TileShader<'_>,
         (x, y): (f64, f64),
@@ -34,7 +34,7 @@ impl<'s> Photographs<'s> {
             return None;
         }
         let eye = shader.taken_from(x, hit)?;
-        let is_seen = self.kept.is_seen_from(eye, hit, self.cull);
+        let is_seen = self.clipped.is_seen_from(eye, hit, self.cull);
         (!is_seen).then(|| shader.untextured(x, y, hit))
     }
 }

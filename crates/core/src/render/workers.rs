@@ -33,7 +33,7 @@ pub(super) fn in_parallel<B>(
 }
 
 /// A picture's tiles, sorted by the distance of their middles from the picture's middle: the order of rendering.
-pub fn from_the_middle(tiles: &[Rect], plane: ImagePlane) -> Vec<Rect> {
+pub fn center_first(tiles: &[Rect], plane: ImagePlane) -> Vec<Rect> {
     let mut order = tiles.to_vec();
     // Twice the distance, in integers.
     order.sort_by_key(|tile| {

@@ -12,7 +12,7 @@ use raycast_core::camera::{Camera, CameraPath, Grid, ImagePlane, Rect, SubCamera
 use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::math;
 use raycast_core::picture::{Format, Fragment, Picture, Recipe};
-use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, from_the_middle};
+use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, center_first};
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -449,7 +449,7 @@ fn render_unfinished(
     clock: Clock<'_>,
 ) -> Result<(Picture, TileStats), Failure> {
     let plane = view.camera.plane();
-    let tiles = from_the_middle(&grid.tiles(plane.columns, plane.rows), plane);
+    let tiles = center_first(&grid.tiles(plane.columns, plane.rows), plane);
     let finished = &tiles[..done.min(tiles.len())];
     let coarse = Pass {
         stride: 16,

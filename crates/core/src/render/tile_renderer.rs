@@ -1,0 +1,265 @@
+//! Casting and shading of a tile's rays.
+
+use super::TileStats;
+use super::buffers::Buffers;
+use super::view::{Clock, Settings, View};
+use crate::camera::{Lattice, Rect, SubCamera};
+use crate::hit::{Detail, HitNumbers, MISS};
+use crate::picture::Layers;
+use crate::shade::{self, Channels, Cut, Section, Shader, Shown};
+use std::time::Duration;
+
+/// A tile's casting and shading, and their statistics.
+pub(super) struct TileRenderer<'a, 's> {
+    pub(super) view: &'a View,
+    clock: Clock<'a>,
+    pub(super) buffers: &'a mut Buffers<'s>,
+    pub(super) stats: TileStats,
+}
+
+impl<'a, 's> TileRenderer<'a, 's> {
+    pub(super) fn new(view: &'a View, clock: Clock<'a>, buffers: &'a mut Buffers<'s>) -> Self {
+        let worker = rayon::current_thread_index().unwrap_or(0) as u32;
+        Self {
+            view,
+            clock,
+            buffers,
+            stats: TileStats {
+                worker,
+                ..TileStats::default()
+            },
+        }
+    }
+
+    /// Renders a sub-camera with one sample a pixel into the rows of its rectangle.
+    pub(super) fn paint<'p>(
+        &mut self,
+        sub_camera: SubCamera,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        let (lattice, rect) = (sub_camera.lattice(), sub_camera.rect);
+        self.find(&lattice);
+        if self.hits_nothing() {
+            self.shade(|buffers| buffers.shader.shader().shade_nothing(rect, rows));
+        } else {
+            self.shade_hits(&lattice, rect, rows);
+        }
+    }
+
+    /// Shades a rectangle whose rays have just been cast.
+    pub(super) fn shade_hits<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        let Some((section, shown)) = self.section_samples(lattice) else {
+            return self.shade_layers(lattice, rect, rows);
+        };
+        // Hits behind a section are not shaded.
+        for (primitive, shown) in self.buffers.hits.primitives.iter_mut().zip(&shown) {
+            if *shown != Shown::NONE {
+                *primitive = MISS;
+            }
+        }
+        let mut rows: Vec<_> = rows.collect();
+        self.shade_layers(lattice, rect, rows.iter_mut().map(|row| &mut **row));
+        for (row, shown) in rows.iter_mut().zip(shown.chunks(lattice.columns as usize)) {
+            for (pixel, shown) in row.iter_mut().zip(shown) {
+                if let Some(color) = section.color8(*shown) {
+                    *pixel = color;
+                }
+            }
+        }
+    }
+
+    /// What each ray of the lattice that was just cast shows of sections; `None` if no ray shows any.
+    pub(super) fn section_samples(
+        &mut self,
+        lattice: &Lattice,
+    ) -> Option<(&'s Section<'s>, Vec<Shown>)> {
+        let section = self.section()?;
+        let begin = (self.clock)();
+        let cuts = |lattice: &Lattice, primitives: &[u32]| -> Vec<Cut> {
+            let place = |at: u32| lattice.place(at % lattice.columns, at / lattice.columns);
+            let all = (0..).zip(primitives);
+            all.map(|(at, &primitive)| section.at(place(at).0, place(at).1, primitive))
+                .collect()
+        };
+        let inner = cuts(lattice, &self.buffers.hits.primitives);
+        if inner.iter().all(Option::is_none) {
+            self.stats.shade += self.elapsed_since(begin);
+            return None;
+        }
+        let (columns, rows) = (lattice.columns as usize, lattice.rows as usize);
+        let plane = self.view.camera.plane();
+        // A section's outline depends on neighbouring rays. Those next to the lattice are cast here; outside the
+        // picture there are none.
+        let View {
+            accel, settings, ..
+        } = self.view;
+        let accel = accel.clipped(&settings.clip).masked(self.shader().masks());
+        let beside = |is_inside: bool, lattice: Lattice| {
+            let mut primitives = Vec::new();
+            if is_inside {
+                accel.find(&lattice, settings.cull, settings.precision, &mut primitives);
+            }
+            cuts(&lattice, &primitives)
+        };
+        let row = |y| Lattice {
+            y,
+            rows: 1,
+            ..*lattice
+        };
+        let column = |x| Lattice {
+            x,
+            columns: 1,
+            ..*lattice
+        };
+        let (right, bottom) = (lattice.x + lattice.columns, lattice.y + lattice.rows);
+        let above = beside(lattice.y > 0, row(lattice.y.saturating_sub(1)));
+        let below = beside(bottom < plane.rows, row(bottom.min(plane.rows - 1)));
+        let before = beside(lattice.x > 0, column(lattice.x.saturating_sub(1)));
+        let behind = beside(right < plane.columns, column(right.min(plane.columns - 1)));
+        let shown = inner.iter().enumerate().map(|(at, &cut)| {
+            let (x, y) = (at % columns, at / columns);
+            let next = |is_inside: bool, to: usize, outside: Option<&Cut>| match is_inside {
+                true => inner[to],
+                false => outside.copied().unwrap_or(cut),
+            };
+            let neighbours = [
+                next(x > 0, at.wrapping_sub(1), before.get(y)),
+                next(x + 1 < columns, at + 1, behind.get(y)),
+                next(y > 0, at.wrapping_sub(columns), above.get(x)),
+                next(y + 1 < rows, at + columns, below.get(x)),
+            ];
+            Section::shown(cut, neighbours.iter().any(|&next| next != cut))
+        });
+        let shown = shown.collect();
+        self.stats.shade += self.elapsed_since(begin);
+        Some((section, shown))
+    }
+
+    /// The section of the clipping planes, if any is visible.
+    pub(super) fn section(&self) -> Option<&'s Section<'s>> {
+        self.buffers.shader.shader().section()
+    }
+
+    /// Whether no ray that was just cast shows a surface or a section.
+    pub(super) fn hits_nothing(&self) -> bool {
+        self.stats.counts.hits == 0 && !self.section().is_some_and(Section::is_seen_by_misses)
+    }
+
+    /// [`TileRenderer::shade_hits`] without sections.
+    fn shade_layers<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        if !self.buffers.casts_secondary_rays() {
+            return self.shade_closest(lattice, rect, rows);
+        }
+        let mut rows: Vec<_> = rows.collect();
+        self.shade_closest(lattice, rect, rows.iter_mut().map(|row| &mut **row));
+        self.shade(|buffers| {
+            for (y, row) in (0..lattice.rows).zip(&mut rows) {
+                for (x, pixel) in (0..lattice.columns).zip(row.iter_mut()) {
+                    let hit = buffers.hits.get((y * lattice.columns + x) as usize);
+                    if let Some(color) = buffers.secondary_color(lattice.place(x, y), &hit) {
+                        *pixel = shade::encode(color);
+                    }
+                }
+            }
+        });
+    }
+
+    /// [`TileRenderer::shade_hits`] by the closest hits alone.
+    fn shade_closest<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        if self.shader().detail() == Detail::Triangle {
+            self.shade(|Buffers { shader, hits, .. }| {
+                shader.shade_primitives(rect, &hits.primitives, rows)
+            });
+        } else {
+            self.evaluate(lattice);
+            self.shade(|Buffers { shader, hits, .. }| shader.shade(rect, hits, rows));
+        }
+    }
+
+    /// Finds the triangle that each ray of a lattice hits first.
+    pub(super) fn find(&mut self, lattice: &Lattice) {
+        let Settings {
+            cull,
+            precision,
+            clip,
+            ..
+        } = &self.view.settings;
+        let begin = (self.clock)();
+        let primitives = &mut self.buffers.hits.primitives;
+        let masks = self.buffers.shader.shader().masks();
+        let accel = self.view.accel.clipped(clip).masked(masks);
+        let counts = accel.find(lattice, *cull, *precision, primitives);
+        self.stats.cast += self.elapsed_since(begin);
+        self.stats.counts += counts;
+        self.stats.rays += self.buffers.hits.len() as u64;
+    }
+
+    /// Computes t, u and v of the hits, as far as the picture needs them.
+    pub(super) fn evaluate(&mut self, lattice: &Lattice) {
+        let begin = (self.clock)();
+        let Settings {
+            cull,
+            precision,
+            layers,
+            ..
+        } = self.view.settings;
+        let full = layers || self.shader().detail() == Detail::Full;
+        let hits = &mut self.buffers.hits;
+        if full {
+            let numbers = match layers {
+                true => HitNumbers::All,
+                false => self.buffers.shader.shader().hit_numbers(),
+            };
+            (self.view.accel).evaluate_numbers(lattice, cull, precision, numbers, hits);
+        } else {
+            hits.clear_tuv();
+        }
+        self.stats.shade += self.elapsed_since(begin);
+    }
+
+    fn shader(&self) -> &'s Shader<'s> {
+        self.buffers.shader.shader()
+    }
+
+    pub(super) fn shade(&mut self, shade: impl FnOnce(&mut Buffers<'s>)) {
+        let begin = (self.clock)();
+        shade(self.buffers);
+        self.stats.shade += self.elapsed_since(begin);
+    }
+
+    fn elapsed_since(&self, begin: Duration) -> Duration {
+        (self.clock)().saturating_sub(begin)
+    }
+
+    /// The layers of the lattice that was just cast, without the colours.
+    pub(super) fn layers(&mut self, lattice: &Lattice) -> Layers {
+        let begin = (self.clock)();
+        let Buffers { hits, shader, .. } = &mut *self.buffers;
+        let mut layers = Layers::blank(hits.len());
+        let channels = Channels {
+            depth: &mut layers.depth,
+            object: &mut layers.object,
+            triangle: &mut layers.triangle,
+            normal: &mut layers.normal,
+            uv: &mut layers.uv,
+        };
+        shader.channels(lattice, hits, channels);
+        self.stats.shade += self.elapsed_since(begin);
+        layers
+    }
+}
