@@ -1,6 +1,6 @@
 use super::Progress;
 use super::error::FormatError;
-use super::files::{By, Contents, Files, Filling, Opened, absolute};
+use super::files::{Contents, Files, Filling, NamedBy, Opened, absolute};
 use super::limits::Budget;
 use std::fs::File;
 use std::io::{self, Read};
@@ -72,19 +72,19 @@ impl Files for Disk<'_> {
     fn read(
         &self,
         path: &Path,
-        by: By<'_>,
+        by: NamedBy<'_>,
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
         let refused = |error| FormatError::io(path, error);
-        if let By::Mesh(mesh) = by
+        if let NamedBy::Mesh(mesh) = by
             && !self.budget.limits().follow_anywhere
-            && !lies_beside(path, mesh).map_err(refused)?
+            && !is_near(path, mesh).map_err(refused)?
         {
             let reason = "it is neither in the mesh's folder nor in the one above, and is not \
                           followed without `follow-anywhere`";
             return Err(FormatError::refused(path, None, reason));
         }
-        let pipes = matches!(by, By::Person);
+        let pipes = matches!(by, NamedBy::Person);
         let mut file = open(path, pipes).map_err(refused)?;
         self.opened.add(self.source(path));
         let length = file.metadata().map_err(refused)?.len();
@@ -163,7 +163,7 @@ fn is_device(_: std::fs::FileType) -> bool {
 /// Whether a path lies in the folder of `mesh` or in the one above, with all their subfolders, both as written and
 /// after following links. If the folder above is the file system's root, only the mesh's own folder counts, since
 /// everything lies in the root.
-fn lies_beside(path: &Path, mesh: &Path) -> io::Result<bool> {
+fn is_near(path: &Path, mesh: &Path) -> io::Result<bool> {
     let within = |path: &Path, mesh: &Path| {
         let folder = mesh.parent().unwrap_or(mesh);
         let area = match folder.parent() {
@@ -216,14 +216,14 @@ mod tests {
         std::fs::write(&path, [7; 5000]).expect("a file");
         let budget = limited(5000);
         let disk = Disk::new(&budget);
-        let first = disk.read(&path, By::Scene, &|_| ()).expect("it fits");
+        let first = disk.read(&path, NamedBy::Scene, &|_| ()).expect("it fits");
         assert_eq!(first[..], [7; 5000]);
         let second = disk
-            .read(&path, By::Scene, &|_| ())
+            .read(&path, NamedBy::Scene, &|_| ())
             .expect_err("two do not");
         assert!(second.to_string().contains("limit `bytes`"), "{second}");
         drop(first);
-        assert!(disk.read(&path, By::Person, &|_| ()).is_ok());
+        assert!(disk.read(&path, NamedBy::Person, &|_| ()).is_ok());
     }
 
     #[test]
@@ -251,7 +251,7 @@ mod tests {
                 ..Limits::default()
             });
             let disk = Disk::new(&budget);
-            let read = disk.read(&beside(&mesh, named), By::Mesh(&mesh), &|_| ());
+            let read = disk.read(&beside(&mesh, named), NamedBy::Mesh(&mesh), &|_| ());
             read.map(|_| ()).map_err(|error| error.to_string())
         };
         for near in [
@@ -301,8 +301,8 @@ mod tests {
         file.read_at(4900, &mut to).expect("they are there");
         assert_eq!(to, [7; 100]);
         std::fs::write(&path, [7; 4950]).expect("a file");
-        let told = file.read_at(4900, &mut to).expect_err("they are gone");
-        assert!(told.to_string().contains("cut short"), "{told}");
+        let error = file.read_at(4900, &mut to).expect_err("they are gone");
+        assert!(error.to_string().contains("cut short"), "{error}");
     }
 
     #[cfg(unix)]
@@ -318,13 +318,13 @@ mod tests {
         let budget = Budget::default();
         let disk = Disk::new(&budget);
         let mesh = root.join("a/b/mesh.obj");
-        let named = disk.read(&beside(&mesh, "link/x"), By::Mesh(&mesh), &|_| ());
+        let named = disk.read(&beside(&mesh, "link/x"), NamedBy::Mesh(&mesh), &|_| ());
         assert!(named.is_err_and(|error| error.to_string().contains("follow-anywhere")));
         // A mesh that is a link may also use the neighbours of its target.
         std::fs::write(root.join("elsewhere/mesh.obj"), "x").expect("a file");
         symlink("../../elsewhere/mesh.obj", &mesh).expect("a link");
         assert!(
-            disk.read(&beside(&mesh, "link/x"), By::Mesh(&mesh), &|_| ())
+            disk.read(&beside(&mesh, "link/x"), NamedBy::Mesh(&mesh), &|_| ())
                 .is_ok()
         );
     }
@@ -342,14 +342,14 @@ mod tests {
         let budget = limited(64 << 20);
         let disk = Disk::new(&budget);
         let mesh = folder.path().join("mesh.obj");
-        for by in [By::Scene, By::Mesh(&mesh)] {
+        for by in [NamedBy::Scene, NamedBy::Mesh(&mesh)] {
             let message = disk
                 .read(&pipe, by, &|_| ())
                 .expect_err("a pipe")
                 .to_string();
             assert!(message.ends_with("not a regular file"), "{message}");
         }
-        let device = disk.read(Path::new("/dev/zero"), By::Person, &|_| ());
+        let device = disk.read(Path::new("/dev/zero"), NamedBy::Person, &|_| ());
         assert!(device.is_err_and(|error| error.to_string().contains("a device")));
         assert!(disk.opened().is_empty());
         let fill = |count: usize| {
@@ -362,12 +362,14 @@ mod tests {
             })
         };
         let writer = fill(3_000_000);
-        let read = disk.read(&pipe, By::Person, &|_| ()).expect("it fits");
+        let read = disk.read(&pipe, NamedBy::Person, &|_| ()).expect("it fits");
         assert_eq!(read.len(), 3_000_000);
         drop(read);
         writer.join().expect("the writer is done");
         let writer = fill(100 << 20);
-        let message = disk.read(&pipe, By::Person, &|_| ()).expect_err("too much");
+        let message = disk
+            .read(&pipe, NamedBy::Person, &|_| ())
+            .expect_err("too much");
         assert!(message.to_string().contains("limit `bytes`"), "{message}");
         writer.join().expect("the writer is done");
     }

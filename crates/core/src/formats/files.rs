@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// Who named a file: that decides which files may be opened.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum By<'a> {
+pub(super) enum NamedBy<'a> {
     /// A person or a program: anything that can be read to its end, including pipes.
     Person,
     /// A scene file: any regular file.
@@ -27,7 +27,7 @@ pub(super) trait Files {
     fn read(
         &self,
         path: &Path,
-        by: By<'_>,
+        by: NamedBy<'_>,
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError>;
 
@@ -138,7 +138,7 @@ impl<'b> Filling<'b> {
                 bytes.extend(byte);
                 step = STEP - 1;
             }
-            self.share.go_on(&self.path)?;
+            self.share.check_cancelled(&self.path)?;
             if let Err(error) = more(bytes, step as u64) {
                 return Ok(Err(error));
             }

@@ -1,6 +1,6 @@
 use super::Progress;
 use super::error::FormatError;
-use super::files::{By, Contents, Files, Opened};
+use super::files::{Contents, Files, NamedBy, Opened};
 use super::limits::Budget;
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -27,7 +27,7 @@ impl Files for Held<'_> {
     fn read(
         &self,
         path: &Path,
-        _: By<'_>,
+        _: NamedBy<'_>,
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
         let source = self.source(path);
@@ -73,7 +73,7 @@ mod tests {
     fn paths_in_a_store_are_normalised() {
         let budget = Budget::default();
         let held = Held::new(&|name| (name == "a/c.obj").then(|| vec![7]), &budget);
-        let read = |path: &str| held.read(Path::new(path), By::Person, &|_| ());
+        let read = |path: &str| held.read(Path::new(path), NamedBy::Person, &|_| ());
         assert_eq!(read("./a/b/../c.obj").expect("it is there")[..], [7]);
         assert!(read("c.obj").is_err());
         assert!(read("a/c.obj").is_ok());

@@ -90,8 +90,8 @@ impl Budget {
     ///
     /// # Errors
     /// The reading was cancelled.
-    pub(super) fn go_on(&self, file: &Path) -> Result<(), FormatError> {
-        go_on(&self.cancel, file)
+    pub(super) fn check_cancelled(&self, file: &Path) -> Result<(), FormatError> {
+        check_cancelled(&self.cancel, file)
     }
 
     /// The limits.
@@ -195,7 +195,7 @@ impl Allowance {
     /// # Errors
     /// All threads together exceed the limit; reading was cancelled.
     pub(super) fn hold(&self, file: &Path, what: &str, more: u64) -> Result<(), FormatError> {
-        go_on(&self.cancel, file)?;
+        check_cancelled(&self.cancel, file)?;
         let held = self
             .held
             .fetch_add(more, Ordering::Relaxed)
@@ -211,7 +211,7 @@ impl Allowance {
     }
 }
 
-fn go_on(cancel: &Cancel, file: &Path) -> Result<(), FormatError> {
+fn check_cancelled(cancel: &Cancel, file: &Path) -> Result<(), FormatError> {
     if cancel.is_cancelled() {
         return Err(FormatError::cancelled(file));
     }
@@ -264,7 +264,7 @@ impl Share<'_> {
     /// # Errors
     /// The budget is exhausted; reading was cancelled.
     pub(super) fn grow(&mut self, file: &Path, what: &str, bytes: u64) -> Result<(), FormatError> {
-        self.budget.go_on(file)?;
+        self.budget.check_cancelled(file)?;
         let more = bytes.saturating_sub(self.bytes);
         let sum = self.budget.bytes.get().saturating_add(more);
         let Budget { limits, memory, .. } = self.budget;
@@ -274,9 +274,9 @@ impl Share<'_> {
         Ok(())
     }
 
-    /// As [`Budget::go_on`].
-    pub(super) fn go_on(&self, file: &Path) -> Result<(), FormatError> {
-        self.budget.go_on(file)
+    /// As [`Budget::check_cancelled`].
+    pub(super) fn check_cancelled(&self, file: &Path) -> Result<(), FormatError> {
+        self.budget.check_cancelled(file)
     }
 
     /// Ends the share, but leaves `bytes` of it reserved for data that outlives reading.
@@ -351,7 +351,7 @@ mod tests {
         let message = share.grow(file, "it", 2).expect_err("it was cancelled");
         assert_eq!(message.to_string(), "a: reading it was cancelled");
         assert!(allowance.hold(file, "it", 1).is_err());
-        assert!(budget.go_on(file).is_err());
+        assert!(budget.check_cancelled(file).is_err());
     }
 
     #[test]

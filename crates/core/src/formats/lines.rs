@@ -36,7 +36,7 @@ pub(super) struct Line<'t> {
 }
 
 impl<'t> Lines<'t> {
-    pub(super) fn of(text: &'t str) -> Self {
+    pub(super) fn new(text: &'t str) -> Self {
         Self {
             rest: text,
             number: 0,
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn lines_end_in_three_ways() {
-        let lines: Vec<_> = Lines::of("a\rb\n\r\nc\r\r\nd")
+        let lines: Vec<_> = Lines::new("a\rb\n\r\nc\r\r\nd")
             .map(|line| (line.text, line.number, line.is_cut))
             .collect();
         let line = |text, number| (text, number, false);
@@ -97,7 +97,7 @@ mod tests {
                 ("d", 6, true)
             ]
         );
-        assert_eq!(Lines::of("").count(), 0);
-        assert_eq!(Lines::of("a\n").count(), 1);
+        assert_eq!(Lines::new("").count(), 0);
+        assert_eq!(Lines::new("a\n").count(), 1);
     }
 }

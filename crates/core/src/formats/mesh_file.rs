@@ -73,7 +73,7 @@ impl MeshObject {
     }
 
     /// A mesh that came from no file.
-    pub(super) fn made(name: &str, mesh: Arc<Mesh>) -> Self {
+    pub(super) fn from_mesh(name: &str, mesh: Arc<Mesh>) -> Self {
         Self {
             name: name.to_owned(),
             ..Self::whole(Path::new(""), mesh, UpAxis::Y, None)
@@ -115,7 +115,7 @@ pub(super) fn read(
         MeshKind::Gltf => {
             let placed = gltf::read(path, bytes, files, progress)?;
             drop(unpacked);
-            return several(
+            return store_all(
                 path,
                 FileKind::Gltf,
                 placed,
@@ -130,7 +130,7 @@ pub(super) fn read(
             for node in &mut placed.nodes {
                 node.world_from_object = up_axis.y_up() * node.world_from_object;
             }
-            return several(
+            return store_all(
                 path,
                 FileKind::Threemf,
                 placed,
@@ -141,7 +141,7 @@ pub(super) fn read(
         }
         MeshKind::Prepared => {
             let prepared = prepared::read(path, bytes, budget, progress)?;
-            return Ok(of_prepared(path, prepared, unpacked_from, files));
+            return Ok(prepared_objects(path, prepared, unpacked_from, files));
         }
         MeshKind::Obj => {
             let obj = obj::read(path, bytes, files, progress)?;
@@ -198,11 +198,11 @@ pub(super) fn read_prepared(
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let prepared = prepared::read_from(path, from, files.budget(), progress)?;
-    Ok(of_prepared(path, prepared, None, files))
+    Ok(prepared_objects(path, prepared, None, files))
 }
 
 /// Checks and stores the meshes of a file of several objects.
-fn several(
+fn store_all(
     path: &Path,
     kind: FileKind,
     placed: Placed,
@@ -242,7 +242,7 @@ fn several(
 }
 
 /// The objects of a prepared file, whose meshes are stored already.
-fn of_prepared(
+fn prepared_objects(
     path: &Path,
     prepared: prepared::Prepared,
     unpacked_from: Option<String>,
@@ -285,7 +285,7 @@ pub(super) fn store(
     let share = budget.share(path, "the mesh", data.bytes() + kept)?;
     let mesh = Mesh::new(data);
     share.keep(kept);
-    warnings.extend(rounding(path, &mesh));
+    warnings.extend(rounding_warning(path, &mesh));
     Ok(Arc::new(mesh))
 }
 
@@ -316,7 +316,7 @@ pub(super) fn limit_warnings(path: &Path, warnings: &mut Vec<String>) {
 }
 
 /// A warning where rounding to single precision moved corners by more than a small fraction of an edge.
-fn rounding(path: &Path, mesh: &Mesh) -> Option<String> {
+fn rounding_warning(path: &Path, mesh: &Mesh) -> Option<String> {
     let rounding = mesh.rounding();
     (rounding.bent > 0).then(|| {
         format!(

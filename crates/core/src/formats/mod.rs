@@ -32,6 +32,7 @@ mod scene_read;
 mod scene_read_tests;
 mod scene_text;
 mod scene_toml;
+mod scene_words;
 mod scene_write;
 #[cfg(test)]
 mod scene_write_tests;
@@ -58,7 +59,7 @@ pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
 
 use crate::scene::{Mesh, Scene, Texture};
 use disk::Disk;
-use files::{By, Files};
+use files::{Files, NamedBy};
 use held::Held;
 use mesh_file::MeshTexture;
 use std::path::Path;
@@ -84,7 +85,7 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     let read = match read_prepared(path, &disk, progress) {
         Some(read) => read?,
         None => {
-            let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+            let contents = disk.read(path, NamedBy::Person, &|share| progress(share * READING))?;
             let up_axis = budget.limits().up_axis;
             mesh_file::read(path, &contents, &disk, up_axis, &|share| {
                 progress(READING + share * (1.0 - READING));
@@ -128,7 +129,7 @@ pub fn read_texture(path: &Path) -> Result<Texture, FormatError> {
 /// # Errors
 /// As [`read_texture`]; an exhausted budget.
 pub fn read_texture_within(path: &Path, budget: &Budget) -> Result<Texture, FormatError> {
-    decode_texture(&Disk::new(budget), path, By::Person)
+    decode_texture(&Disk::new(budget), path, NamedBy::Person)
 }
 
 /// Reads a scene file (`.raycast.toml`) and every mesh and texture that it names, or a mesh file as a scene of its
@@ -154,7 +155,7 @@ pub fn read_scene_within(
     let read = match read_prepared(path, &disk, progress) {
         Some(read) => read?,
         None => {
-            let contents = disk.read(path, By::Person, &|share| progress(share * READING))?;
+            let contents = disk.read(path, NamedBy::Person, &|share| progress(share * READING))?;
             let rest = |share: f32| progress(READING + share * (1.0 - READING));
             if kind::is_scene(path, &contents) {
                 return scene_read::read(path, &contents, &disk, &rest);
@@ -175,7 +176,7 @@ pub fn read_scene_within(
                 object.texture_source = source;
             }
             Some(MeshTexture::Named(image)) => {
-                match decode_texture(&disk, &image, By::Mesh(path)) {
+                match decode_texture(&disk, &image, NamedBy::Mesh(path)) {
                     Ok(texture) => {
                         object.texture = Some(Arc::new(texture));
                         object.texture_source = Some(disk.source(&image));
@@ -216,7 +217,7 @@ pub fn read_scene_from(
     )
 }
 
-fn decode_texture(disk: &Disk<'_>, path: &Path, by: By<'_>) -> Result<Texture, FormatError> {
+fn decode_texture(disk: &Disk<'_>, path: &Path, by: NamedBy<'_>) -> Result<Texture, FormatError> {
     let contents = disk.read(path, by, &|_| ())?;
     texture::decode(path, &contents, disk.budget())
 }

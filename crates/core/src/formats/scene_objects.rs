@@ -4,7 +4,8 @@ use super::error::FormatError;
 use super::files::beside;
 use super::mesh_file::{self, MeshObject};
 use super::scene_text::Reader;
-use super::scene_toml::{CameraToml, ObjectToml, PhotographToml, ProjectionToml, ShapeToml};
+use super::scene_toml::{CameraToml, ObjectToml, PhotographToml, ShapeToml};
+use super::scene_words::ProjectionToml;
 use super::{Progress, texture};
 use crate::camera::Placement;
 use crate::quote::{self, quote};
@@ -227,7 +228,7 @@ impl Reader<'_> {
         let _share = budget.share(self.path, "the shape", bytes)?;
         let data = shape.mesh().map_err(refused)?;
         let mesh = mesh_file::store(self.path, data, budget, warnings)?;
-        Ok(MeshObject::made(shape.name(), mesh))
+        Ok(MeshObject::from_mesh(shape.name(), mesh))
     }
 
     /// The texture that an object names, and its file.

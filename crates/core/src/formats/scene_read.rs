@@ -7,9 +7,10 @@ use super::mesh_file;
 use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};
 use super::scene_toml::{
-    AnimationToml, BackgroundToml, CameraToml, ClipToml, GroundToml, ImageToml, ProjectionToml,
-    SceneToml, ShadingToml, VERSION, VersionToml,
+    AnimationToml, BackgroundToml, CameraToml, ClipToml, GroundToml, ImageToml, SceneToml,
+    ShadingToml, VERSION, VersionToml,
 };
+use super::scene_words::ProjectionToml;
 use crate::camera::{
     BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection, Stereo,
 };

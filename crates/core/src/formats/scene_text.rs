@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::error::FormatError;
-use super::files::{By, Contents, Files};
+use super::files::{Contents, Files, NamedBy};
 use glam::DVec3;
 use std::path::Path;
 use toml::Spanned;
@@ -56,12 +56,16 @@ impl Reader<'_> {
         path: &Path,
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
-        self.files.read(path, By::Scene, progress).map_err(|error| {
-            let reason = match error {
-                FormatError::Io { place, source } => format!("{place} cannot be read: {source}"),
-                error => error.to_string(),
-            };
-            FormatError::refused(self.path, self.line(named), &reason)
-        })
+        self.files
+            .read(path, NamedBy::Scene, progress)
+            .map_err(|error| {
+                let reason = match error {
+                    FormatError::Io { place, source } => {
+                        format!("{place} cannot be read: {source}")
+                    }
+                    error => error.to_string(),
+                };
+                FormatError::refused(self.path, self.line(named), &reason)
+            })
     }
 }

@@ -2,10 +2,10 @@ use super::files::relative;
 use super::scene_animation;
 use super::scene_file::{CameraFile, SceneFile};
 use super::scene_toml::{
-    BackgroundToml, CameraToml, ClipToml, ColorRuleToml, ColorToml, GroundToml, ImageToml,
-    ObjectToml, PhotographToml, ProjectionToml, SceneToml, ShadingToml, StereoToml, Transparent,
-    VERSION, WrapToml,
+    BackgroundToml, CameraToml, ClipToml, GroundToml, ImageToml, ObjectToml, PhotographToml,
+    SceneToml, ShadingToml, StereoToml, Transparent, VERSION,
 };
+use super::scene_words::{ColorRuleToml, ColorToml, ProjectionToml, WrapToml};
 use crate::camera::Projection;
 use crate::quote::shorten;
 use crate::scene::{ClippingPlane, Photograph, Scene, SceneError, Transform, UpAxis, Wrap};

@@ -27,7 +27,7 @@ pub(super) fn read(
     let mut index_of: HashMap<[u64; 3], u32> = HashMap::new();
     let mut face = Vec::new();
     let mut share = budget.share(path, "the mesh", 0)?;
-    let mut lines = Lines::of(&text);
+    let mut lines = Lines::new(&text);
     while let Some(line) = lines.next() {
         if line.number % 16_384 == 0 {
             let held =

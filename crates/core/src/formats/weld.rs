@@ -106,7 +106,7 @@ impl Vertices {
             slot = (slot + 1) & mask;
         }
         let number = self.positions.len() as u32;
-        self.slots[slot] = entry_of(hash, number);
+        self.slots[slot] = entry(hash, number);
         self.positions.push(position);
         if self.positions.len() > self.slots.len() / 4 * 3 {
             self.grow();
@@ -157,7 +157,7 @@ fn first_slot(hash: u64, slots: usize) -> usize {
 }
 
 #[inline]
-fn entry_of(hash: u64, number: u32) -> u64 {
+fn entry(hash: u64, number: u32) -> u64 {
     hash >> 32 << 32 | u64::from(number)
 }
 
@@ -166,7 +166,7 @@ fn bits(position: DVec3) -> [u64; 3] {
 }
 
 /// The least number of triangles in one parallel task.
-const FEWEST: usize = 1 << 12;
+const MIN_TASK: usize = 1 << 12;
 
 /// Welds `count` triangles of these corners; returns vertices and triangles. `progress` is called, from any thread,
 /// with the number of triangles that are done.
@@ -179,7 +179,7 @@ pub(super) fn weld(
     progress: &(impl Fn(usize) + Sync),
 ) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut triangles = vec![[0; 3]; count];
-    let leaf = count.div_ceil(rayon::current_num_threads()).max(FEWEST);
+    let leaf = count.div_ceil(rayon::current_num_threads()).max(MIN_TASK);
     let part = Part {
         leaf,
         corners,
@@ -202,7 +202,7 @@ impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
             let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
             let (mut corners, mut numbers) = (Vec::new(), Vec::new());
             let mut first = first;
-            for triangles in triangles.chunks_mut(FEWEST) {
+            for triangles in triangles.chunks_mut(MIN_TASK) {
                 corners.clear();
                 let all = first..first + triangles.len();
                 corners.extend(all.flat_map(|triangle| (self.corners)(triangle)));
@@ -221,7 +221,7 @@ impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
         vertices.numbers(&others.into_positions(), &mut numbers);
         right
             .par_iter_mut()
-            .with_min_len(FEWEST)
+            .with_min_len(MIN_TASK)
             .for_each(|triangle| *triangle = triangle.map(|other| numbers[other as usize]));
         vertices
     }
@@ -238,7 +238,7 @@ mod tests {
         let mut random = Random(7);
         // Few positions, so that most corners coincide with others.
         let mut coordinate = || (random.unit() * 40.0).floor() * 0.5 - 10.0;
-        let corners: Vec<[DVec3; 3]> = (0..3 * FEWEST)
+        let corners: Vec<[DVec3; 3]> = (0..3 * MIN_TASK)
             .map(|_| [0; 3].map(|_| DVec3::new(coordinate(), coordinate(), -0.0)))
             .collect();
         let (positions, triangles) = weld(corners.len(), &|index| corners[index], &|_| ());

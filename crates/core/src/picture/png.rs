@@ -234,11 +234,11 @@ mod tests {
         // Also where a recipe, or another text, is damaged: the picture must not lose it in silence.
         let picture = noise(9, 5, true);
         let recipe = sample_recipe(9, 5);
-        let told = picture
+        let encoded = picture
             .encode_with(Format::Png, Some(&recipe))
             .expect("encodes");
-        for bit in 0..8 * told.len() {
-            let mut damaged = told.clone();
+        for bit in 0..8 * encoded.len() {
+            let mut damaged = encoded.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
             assert!(decode(&damaged).is_err(), "bit {bit}");
         }

@@ -3,7 +3,7 @@
 use super::json::{Accessor, Root};
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
-use crate::formats::files::{By, Contents, Files, beside};
+use crate::formats::files::{Contents, Files, NamedBy, beside};
 use crate::formats::limits::Share;
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -114,7 +114,7 @@ impl<'d> Data<'d> {
         }
         let path = self.path_of(uri);
         let none: Progress<'_> = &|_| ();
-        let contents = self.files.read(&path, By::Mesh(self.path), none)?;
+        let contents = self.files.read(&path, NamedBy::Mesh(self.path), none)?;
         Ok(Bytes::File(contents, path))
     }
 

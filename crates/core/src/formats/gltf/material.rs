@@ -41,7 +41,7 @@ pub(super) struct Materials<'m, 'd> {
     tinted: HashMap<(u32, [Wrap; 2], [u64; 3]), Arc<Texture>>,
     /// Counts of used materials, by feature that is not shown.
     unused: BTreeMap<&'static str, usize>,
-    is_told: Vec<bool>,
+    is_reported: Vec<bool>,
     /// The number of used materials that are blended.
     pub(super) blended: usize,
     pub(super) warnings: Vec<String>,
@@ -54,7 +54,7 @@ impl<'m, 'd> Materials<'m, 'd> {
             images: HashMap::new(),
             tinted: HashMap::new(),
             unused: BTreeMap::new(),
-            is_told: vec![false; data.root.materials.len()],
+            is_reported: vec![false; data.root.materials.len()],
             blended: 0,
             warnings: Vec::new(),
         }
@@ -176,10 +176,10 @@ impl<'m, 'd> Materials<'m, 'd> {
 
     /// Counts a material's features that are not shown.
     fn count_unused(&mut self, index: u32, material: &MaterialJson) {
-        let Some(is_told) = self.is_told.get_mut(index as usize) else {
+        let Some(is_reported) = self.is_reported.get_mut(index as usize) else {
             return;
         };
-        if std::mem::replace(is_told, true) {
+        if std::mem::replace(is_reported, true) {
             return;
         }
         let mode = material.alpha_mode.as_deref();

@@ -34,7 +34,7 @@ pub(super) fn read(
     // after checking them.
     let mut clean = String::new();
     let mut looks: Vec<Look> = Vec::new();
-    for line in Lines::of(&text) {
+    for line in Lines::new(&text) {
         let words = line.text.trim();
         let (keyword, rest) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
         let rest = rest.trim();
@@ -103,14 +103,14 @@ pub(super) fn read(
 /// The images that a library names, those too that are not shown.
 pub(super) fn images(bytes: &[u8]) -> Vec<String> {
     let text = text(bytes);
-    let of = |line: Line<'_>| {
+    let image = |line: Line<'_>| {
         let (keyword, rest) = line.text.trim().split_once(char::is_whitespace)?;
         let keyword = keyword.to_ascii_lowercase();
         let is_image = keyword.starts_with("map_")
             || ["bump", "disp", "decal", "norm", "refl"].contains(&&*keyword);
         image_name(rest).filter(|_| is_image).map(str::to_owned)
     };
-    Lines::of(&text).filter_map(of).collect()
+    Lines::new(&text).filter_map(image).collect()
 }
 
 /// The library's parameters of reflection.

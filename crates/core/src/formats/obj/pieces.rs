@@ -59,7 +59,7 @@ fn read_in(
                 Cow::Borrowed(_) => 0,
                 Cow::Owned(text) => text.capacity(),
             };
-            let mut reader = Reader::of_piece(path, allowance, copied);
+            let mut reader = Reader::for_piece(path, allowance, copied);
             reader.lines(&text, &|_| ()).ok()?;
             let done = done.fetch_add(piece.len(), Ordering::Relaxed) + piece.len();
             progress(done as f32 / bytes.len() as f32);
@@ -72,7 +72,7 @@ fn read_in(
         // The line was counted from the start of the last piece.
         let lines_before: usize = pieces[..pieces.len() - 1]
             .par_iter()
-            .map(|piece| Lines::of(&decode(piece)).count())
+            .map(|piece| Lines::new(&decode(piece)).count())
             .sum();
         out.open_end = out.open_end.map(|line| line + lines_before);
     }

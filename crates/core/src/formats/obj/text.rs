@@ -30,14 +30,14 @@ pub(super) fn read(
         Cow::Owned(text) => text.capacity(),
     };
     let allowance = budget.allowance();
-    let mut reader = Reader::of_file(path, &allowance, copied);
+    let mut reader = Reader::for_file(path, &allowance, copied);
     let stopped = reader.lines(&text, progress).err();
     let totals = reader.totals();
     if stopped.is_none() && is_beyond(reader.highest, totals) {
         // Only at the end is it known that an index is out of range. A second reading finds the first line with such
         // an index or another fault.
         let allowance = budget.allowance();
-        let mut again = Reader::of_file(path, &allowance, copied);
+        let mut again = Reader::for_file(path, &allowance, copied);
         again.known_totals = Some(totals);
         again.lines(&text, &|_| ())?;
     }

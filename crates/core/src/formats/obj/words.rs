@@ -5,7 +5,7 @@ pub(super) struct Words<'t> {
 }
 
 impl<'t> Words<'t> {
-    pub(super) fn of(text: &'t str) -> Self {
+    pub(super) fn new(text: &'t str) -> Self {
         Self { rest: text }
     }
 
@@ -44,14 +44,34 @@ impl<'t> Iterator for Words<'t> {
     }
 }
 
+/// A line's first word, and the rest.
+pub(super) fn split_keyword(text: &str) -> (&str, &str) {
+    let bytes = text.as_bytes();
+    let is_end = |byte: &u8| byte.is_ascii_whitespace() || !byte.is_ascii();
+    let end = match bytes.iter().position(is_end) {
+        Some(end) if bytes[end].is_ascii() => Some(end),
+        Some(_) => text.find(char::is_whitespace),
+        None => None,
+    };
+    text.split_at(end.unwrap_or(text.len()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn words_end_at_any_white_space() {
-        let words: Vec<_> = Words::of(" a\tbc \u{a0}d\u{2003}é f\u{a0}").collect();
+        let words: Vec<_> = Words::new(" a\tbc \u{a0}d\u{2003}é f\u{a0}").collect();
         assert_eq!(words, ["a", "bc", "d", "é", "f"]);
-        assert_eq!(Words::of("\u{a0}").next(), None);
+        assert_eq!(Words::new("\u{a0}").next(), None);
+    }
+
+    #[test]
+    fn keywords_end_at_any_white_space() {
+        for text in ["f 1", "f", "f\t1 2", "fé 1", "f\u{a0}1", ""] {
+            let end = text.find(char::is_whitespace).unwrap_or(text.len());
+            assert_eq!(split_keyword(text), text.split_at(end), "{text:?}");
+        }
     }
 }

@@ -31,7 +31,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Finds each group of properties of which an element has all names.
-    pub(super) fn of(element: &Element, groups: &[(&[&str], Role)]) -> Self {
+    pub(super) fn new(element: &Element, groups: &[(&[&str], Role)]) -> Self {
         let properties = element.properties.iter();
         let mut properties: Vec<_> = properties.map(|p| (p.clone(), UNUSED)).collect();
         let mut color_scale = 1.0;

@@ -54,7 +54,7 @@ impl<V: Values> Reader<'_, V> {
         let least: u64 = element
             .properties
             .iter()
-            .map(|property| V::least_bytes(property.length.unwrap_or(property.kind)) as u64)
+            .map(|property| V::min_bytes(property.length.unwrap_or(property.kind)) as u64)
             .sum();
         let left = self.values.left() as u64;
         // The last number of a text needs no separator after it.
@@ -73,7 +73,7 @@ impl<V: Values> Reader<'_, V> {
         element: &Element,
         step: &dyn Fn(f32),
     ) -> Result<(), FormatError> {
-        let mut layout = Layout::of(
+        let mut layout = Layout::new(
             element,
             &[
                 (&["x", "y", "z"], POSITION),
@@ -152,7 +152,7 @@ impl<V: Values> Reader<'_, V> {
         element: &Element,
         step: &dyn Fn(f32),
     ) -> Result<(), FormatError> {
-        let mut layout = Layout::of(element, &[(&["red", "green", "blue"], COLOR)]);
+        let mut layout = Layout::new(element, &[(&["red", "green", "blue"], COLOR)]);
         let list = |layout: &Layout, names: &[&str]| {
             let mut properties = layout.properties.iter();
             properties.position(|(property, _)| {

@@ -16,7 +16,7 @@ pub(super) trait Values {
     fn left(&self) -> usize;
 
     /// The fewest bytes that a number takes.
-    fn least_bytes(kind: Scalar) -> usize;
+    fn min_bytes(kind: Scalar) -> usize;
 
     /// The error that the last number is something other than `expected`.
     fn fault(&self, path: &Path, expected: &str, found: &Found) -> FormatError;
@@ -123,7 +123,7 @@ impl Values for Ascii<'_> {
     }
 
     /// A digit and a separator.
-    fn least_bytes(_: Scalar) -> usize {
+    fn min_bytes(_: Scalar) -> usize {
         2
     }
 
@@ -194,7 +194,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
         self.bytes.len() - self.at
     }
 
-    fn least_bytes(kind: Scalar) -> usize {
+    fn min_bytes(kind: Scalar) -> usize {
         kind.bytes()
     }
 

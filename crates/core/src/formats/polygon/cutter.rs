@@ -49,7 +49,7 @@ pub(super) struct Cutter {
     tree: Tree,
     next: Vec<u32>,
     previous: Vec<u32>,
-    is_cut: Vec<bool>,
+    is_clipped: Vec<bool>,
     /// The number of corners that are not clipped.
     left: usize,
     /// Corners to be tested.
@@ -68,7 +68,7 @@ pub(super) struct Cutter {
 }
 
 /// No corner.
-const NOBODY: u32 = u32::MAX;
+const NO_CORNER: u32 = u32::MAX;
 
 /// The limit of steps was reached.
 struct OutOfSteps;
@@ -86,7 +86,7 @@ impl Cutter {
             Ok(true) => return Cut::Crossing,
             Ok(false) => {}
         }
-        match self.clip() {
+        match self.clip_ears() {
             Ok(true) => Cut::Ears,
             Ok(false) => Cut::Crossing,
             Err(OutOfSteps) => Cut::Intricate,
@@ -154,8 +154,8 @@ impl Cutter {
 
     /// The orientation of a face that does not cross itself: that of its lowest corner which neither coincides with a
     /// neighbour nor is a spike. `None` where all corners that are left lie on a line.
-    fn way_round(&self) -> Option<Ordering> {
-        let uncut = (0..self.points.len() as u32).filter(|&i| !self.is_cut[i as usize]);
+    fn orientation(&self) -> Option<Ordering> {
+        let uncut = (0..self.points.len() as u32).filter(|&i| !self.is_clipped[i as usize]);
         let lowest =
             uncut.min_by(|&a, &b| order(self.points[a as usize], self.points[b as usize]))?;
         let [before, here, after] = self.ear_points(lowest);
@@ -181,7 +181,7 @@ impl Cutter {
         let mut pairs = vec![(1, 1)];
         while let Some((one, other)) = pairs.pop() {
             self.steps_left = self.steps_left.checked_sub(1).ok_or(OutOfSteps)?;
-            if !tree.boxes[one].meets(&tree.boxes[other]) {
+            if !tree.boxes[one].overlaps(&tree.boxes[other]) {
                 continue;
             }
             match (tree.leaf(one), tree.leaf(other)) {
@@ -206,7 +206,7 @@ impl Cutter {
     /// corner is an ear where it is convex and its triangle contains no other corner; only reflex corners need to be
     /// tested. A corner that is no ear is tested again when the corner in its triangle is clipped or becomes convex,
     /// or when a neighbour changes.
-    fn clip(&mut self) -> Result<bool, OutOfSteps> {
+    fn clip_ears(&mut self) -> Result<bool, OutOfSteps> {
         let count = self.points.len();
         let index = |i: usize| i as u32;
         self.next.clear();
@@ -214,8 +214,8 @@ impl Cutter {
         self.previous.clear();
         self.previous
             .extend((0..count).map(|i| index((i + count - 1) % count)));
-        self.is_cut.clear();
-        self.is_cut.resize(count, false);
+        self.is_clipped.clear();
+        self.is_clipped.resize(count, false);
         self.waiting.iter_mut().for_each(Vec::clear);
         self.waiting
             .resize(count.max(self.waiting.len()), Vec::new());
@@ -227,23 +227,23 @@ impl Cutter {
         self.is_candidate.clear();
         self.suspects.clear();
         self.suspects.extend(all.clone());
-        self.cut_spikes();
-        self.inside = self.way_round();
+        self.clip_spikes();
+        self.inside = self.orientation();
         if self.inside.is_none() {
             // All corners are on a line: spikes are clipped until three corners are left.
-            self.close();
+            self.push_last_ear();
             return Ok(true);
         }
-        let is_uncut = |i: u32| !self.is_cut[i as usize];
+        let is_left = |i: u32| !self.is_clipped[i as usize];
         let blocks: Vec<bool> = (0..index(count))
-            .map(|i| is_uncut(i) && !self.turns_inwards(i))
+            .map(|i| is_left(i) && !self.is_convex(i))
             .collect();
         self.candidates.clear();
         self.candidates.extend(all.clone());
         self.is_candidate.clear();
         self.is_candidate.resize(count, true);
         self.waits_for.clear();
-        self.waits_for.resize(count, NOBODY);
+        self.waits_for.resize(count, NO_CORNER);
         let points = &self.points;
         self.tree
             .build(count, |i| blocks[i].then(|| Box2::around(points[i])));
@@ -251,15 +251,15 @@ impl Cutter {
         // Relaxed rules, when nothing else is left: first ears with a corner on their border, then corners on a
         // straight edge.
         let mut touching = false;
-        let mut looked_at = 0;
+        let mut last_flat = 0;
         while self.left > 3 {
             let Some(corner) = self.candidates.pop() else {
                 if touching {
-                    let Some(corner) = self.flat_corner(looked_at)? else {
+                    let Some(corner) = self.flat_corner(last_flat)? else {
                         return Ok(false);
                     };
-                    looked_at = corner;
-                    self.cut_off(corner);
+                    last_flat = corner;
+                    self.clip_ear(corner);
                 } else {
                     touching = true;
                     self.candidates.extend(all.clone());
@@ -268,7 +268,7 @@ impl Cutter {
                 continue;
             };
             self.is_candidate[corner as usize] = false;
-            if self.is_cut[corner as usize] || !self.turns_inwards(corner) {
+            if self.is_clipped[corner as usize] || !self.is_convex(corner) {
                 continue;
             }
             match self.blocker(corner, touching)? {
@@ -280,21 +280,21 @@ impl Cutter {
                     }
                 }
                 None => {
-                    self.cut_off(corner);
-                    self.cut_spikes();
+                    self.clip_ear(corner);
+                    self.clip_spikes();
                 }
             }
         }
-        self.close();
+        self.push_last_ear();
         Ok(true)
     }
 
     /// Clips corners that coincide with a neighbour, and spikes, where the face turns back on itself: their triangles
     /// have no area, and would make ears of the outside.
-    fn cut_spikes(&mut self) {
+    fn clip_spikes(&mut self) {
         while let Some(corner) = self.suspects.pop() {
-            if self.left > 3 && !self.is_cut[corner as usize] && self.is_spike(corner) {
-                self.cut_off(corner);
+            if self.left > 3 && !self.is_clipped[corner as usize] && self.is_spike(corner) {
+                self.clip_ear(corner);
             }
         }
     }
@@ -307,8 +307,8 @@ impl Cutter {
     }
 
     /// Adds the last triangle.
-    fn close(&mut self) {
-        let last = (0..self.points.len() as u32).find(|&i| !self.is_cut[i as usize]);
+    fn push_last_ear(&mut self) {
+        let last = (0..self.points.len() as u32).find(|&i| !self.is_clipped[i as usize]);
         self.ears.extend(last.map(|corner| self.ear(corner)));
     }
 
@@ -322,7 +322,7 @@ impl Cutter {
         self.ear(corner).map(|i| self.points[i as usize])
     }
 
-    fn turns_inwards(&self, corner: u32) -> bool {
+    fn is_convex(&self, corner: u32) -> bool {
         let [a, b, c] = self.ear_points(corner);
         Some(turn(a, b, c)) == self.inside
     }
@@ -333,43 +333,43 @@ impl Cutter {
         for corner in (first..count).chain(0..first) {
             self.steps_left = self.steps_left.checked_sub(1).ok_or(OutOfSteps)?;
             let [a, b, c] = self.ear_points(corner);
-            if !self.is_cut[corner as usize] && turn(a, b, c) == Ordering::Equal {
+            if !self.is_clipped[corner as usize] && turn(a, b, c) == Ordering::Equal {
                 return Ok(Some(corner));
             }
         }
         Ok(None)
     }
 
-    fn cut_off(&mut self, corner: u32) {
+    fn clip_ear(&mut self, corner: u32) {
         let ear = self.ear(corner);
         let [before, _, after] = ear;
         self.ears.push(ear);
         self.next[before as usize] = after;
         self.previous[after as usize] = before;
-        self.is_cut[corner as usize] = true;
+        self.is_clipped[corner as usize] = true;
         self.left -= 1;
-        self.stops_blocking(corner);
+        self.unblock(corner);
         for neighbour in [after, before] {
             self.suspects.push(neighbour);
-            if self.turns_inwards(neighbour) {
-                self.stops_blocking(neighbour);
-                self.look_at(neighbour);
+            if self.is_convex(neighbour) {
+                self.unblock(neighbour);
+                self.push_candidate(neighbour);
             }
         }
     }
 
-    fn stops_blocking(&mut self, corner: u32) {
+    fn unblock(&mut self, corner: u32) {
         self.tree.remove(corner as usize);
         for waiting in std::mem::take(&mut self.waiting[corner as usize]) {
             // It may wait for another corner by now.
             if self.waits_for[waiting as usize] == corner {
-                self.waits_for[waiting as usize] = NOBODY;
-                self.look_at(waiting);
+                self.waits_for[waiting as usize] = NO_CORNER;
+                self.push_candidate(waiting);
             }
         }
     }
 
-    fn look_at(&mut self, corner: u32) {
+    fn push_candidate(&mut self, corner: u32) {
         if let Some(is_candidate) = self.is_candidate.get_mut(corner as usize)
             && !std::mem::replace(is_candidate, true)
         {
@@ -398,7 +398,7 @@ impl Cutter {
         while let Some(node) = nodes.pop() {
             self.steps_left = self.steps_left.checked_sub(1).ok_or(OutOfSteps)?;
             let box2 = &tree.boxes[node];
-            if tree.counts[node] == 0 || !box2.meets(&around) {
+            if tree.counts[node] == 0 || !box2.overlaps(&around) {
                 continue;
             }
             let Some(other) = tree.leaf(node) else {

@@ -11,18 +11,18 @@ pub(super) const BLOCK: usize = 1 << 20;
 pub(super) const BYTES: usize = 16;
 
 /// The hash of one block.
-pub(super) fn of_block(block: &[u8]) -> [u8; BYTES] {
+pub(super) fn block_checksum(block: &[u8]) -> [u8; BYTES] {
     Digest::of(block).to_bytes()
 }
 
 /// The hash of all blocks' hashes.
-pub(super) fn of_blocks(checksums: &[u8]) -> [u8; BYTES] {
+pub(super) fn file_checksum(checksums: &[u8]) -> [u8; BYTES] {
     Digest::of(checksums).to_bytes()
 }
 
 /// The checksum of a whole file in memory.
 #[cfg(test)]
 pub(super) fn checksum(bytes: &[u8]) -> [u8; BYTES] {
-    let blocks: Vec<_> = bytes.chunks(BLOCK).map(of_block).collect();
-    of_blocks(blocks.as_flattened())
+    let blocks: Vec<_> = bytes.chunks(BLOCK).map(block_checksum).collect();
+    file_checksum(blocks.as_flattened())
 }

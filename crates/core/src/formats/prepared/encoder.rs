@@ -1,6 +1,6 @@
 //! Writes numbers, strings and lists, followed by their checksum.
 
-use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
+use super::checksum::{BLOCK, BYTES, block_checksum, file_checksum};
 use std::io::{self, Write};
 
 /// Buffers and hashes the bytes of a file.
@@ -101,7 +101,7 @@ impl<'w> Encoder<'w> {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.checksums.extend(of_block(&self.block));
+        self.checksums.extend(block_checksum(&self.block));
         self.length += self.block.len() as u64;
         self.out.write_all(&self.block)?;
         self.block.clear();
@@ -113,7 +113,7 @@ impl<'w> Encoder<'w> {
         if !self.block.is_empty() {
             self.flush()?;
         }
-        self.out.write_all(&of_blocks(&self.checksums))?;
+        self.out.write_all(&file_checksum(&self.checksums))?;
         Ok(self.length + BYTES as u64)
     }
 }

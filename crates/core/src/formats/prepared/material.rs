@@ -2,7 +2,7 @@
 
 use super::decoder::Decoder;
 use super::encoder::Encoder;
-use super::texture::{color_of, word};
+use super::texture::{color_from_word, word};
 use crate::formats::error::FormatError;
 use crate::scene::{Alpha, Material, Opacity, Reflectance, Texture};
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use std::io;
 use std::sync::Arc;
 
 /// The least number of bytes of a material in the file.
-pub(super) const LEAST: usize = 24;
+pub(super) const MIN_BYTES: usize = 24;
 
 /// Distinct textures, in order of first use.
 #[derive(Default)]
@@ -21,7 +21,7 @@ pub(super) struct Textures<'t> {
 
 impl<'t> Textures<'t> {
     /// Adds the textures of a material.
-    pub(super) fn add_of(&mut self, material: &'t Material) {
+    pub(super) fn add_all(&mut self, material: &'t Material) {
         let reflectance = material.reflectance.as_deref();
         let alpha = material.opacity.alpha();
         let all = [
@@ -119,7 +119,7 @@ pub(super) fn read(
     from: &mut Decoder<'_>,
 ) -> Result<Material, FormatError> {
     let name = from.text("a material's name")?;
-    let color = color_of(from.number("a colour")?);
+    let color = color_from_word(from.number("a colour")?);
     let by_vertex = from.flag("whether vertices have its colours")?;
     let texture = read_texture(textures, from)?;
     let reflectance = from.option("whether there is a reflectance", |from| {

@@ -6,7 +6,7 @@
 use super::decoder::Decoder;
 use super::encoder::Encoder;
 use super::material::{self, Textures};
-use super::texture::{color_of, word};
+use super::texture::{color_from_word, word};
 use crate::formats::error::FormatError;
 use crate::scene::{
     Attribute, Color, Diagonals, Dropped, Mesh, Rounding, Scalar, ScalarAt, StoredMesh, Texture,
@@ -18,7 +18,7 @@ use std::io;
 use std::sync::Arc;
 
 /// The least number of bytes of a mesh in the file: one without elements.
-pub(super) const LEAST: usize = 3 * 8 + 4 * 16;
+pub(super) const MIN_BYTES: usize = 3 * 8 + 4 * 16;
 
 pub(super) fn write(
     mesh: &Mesh,
@@ -120,12 +120,12 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
     };
     let normals = read_attribute("normals", from)?;
     let uvs = read_attribute("texture coordinates", from)?;
-    let materials = from.each("materials", material::LEAST, |from| {
+    let materials = from.each("materials", material::MIN_BYTES, |from| {
         material::read(textures, from)
     })?;
     let material_of_triangle = from.words("materials of triangles")?;
     let colors = from.list("colours", |[is, color]: [u32; 2]| -> Option<Color> {
-        (is != 0).then(|| color_of(color))
+        (is != 0).then(|| color_from_word(color))
     })?;
     let scalars = from.each("scalars", 12, |from| {
         Ok(Scalar {

@@ -35,4 +35,6 @@ pub(super) use source::ReadAt;
 pub use write::{PrepareError, write_prepared};
 
 #[cfg(test)]
+mod refusal_tests;
+#[cfg(test)]
 mod tests;

@@ -11,7 +11,7 @@ use std::io;
 use std::sync::Arc;
 
 /// The least number of bytes of an object in the file.
-pub(super) const LEAST: usize = 4 + 4 + 12 * 8 + 4 + 4;
+pub(super) const MIN_BYTES: usize = 4 + 4 + 12 * 8 + 4 + 4;
 
 /// A mesh and its transform.
 pub(in crate::formats) struct PreparedObject {

@@ -86,16 +86,16 @@ fn contents(from: &mut Decoder<'_>, progress: Progress<'_>) -> Result<Prepared, 
     };
     let warnings = lines("warnings", from)?;
     let notes = lines("notes", from)?;
-    let textures = from.each("textures", texture::LEAST, |from| {
+    let textures = from.each("textures", texture::MIN_BYTES, |from| {
         texture::read(from).map(Arc::new)
     })?;
-    let meshes = from.each("meshes", mesh::LEAST, |from| {
+    let meshes = from.each("meshes", mesh::MIN_BYTES, |from| {
         let mesh = mesh::read(&textures, from)?;
         progress(from.done());
         Ok(Arc::new(mesh))
     })?;
     let are_nodes = from.flag("whether objects are nodes")?;
-    let objects = from.each("objects", object::LEAST, |from| {
+    let objects = from.each("objects", object::MIN_BYTES, |from| {
         object::read(&meshes, &textures, from)
     })?;
     match &objects[..] {

@@ -1,6 +1,6 @@
 //! A prepared file as a stream. Large slices are read directly into their destination; all bytes are hashed.
 
-use super::checksum::{BLOCK, BYTES, of_block, of_blocks};
+use super::checksum::{BLOCK, BYTES, block_checksum, file_checksum};
 use crate::digest::Digester;
 use rayon::prelude::*;
 use std::io;
@@ -94,7 +94,7 @@ impl<'s> Source<'s> {
         let blocks = whole.par_chunks_mut(BLOCK).enumerate();
         let sums = blocks.map(|(number, block)| {
             read_at(start + (number * BLOCK) as u64, block)?;
-            Ok(of_block(block))
+            Ok(block_checksum(block))
         });
         let sums = sums.collect::<io::Result<Vec<_>>>()?;
         self.sums.finished.extend(sums.as_flattened());
@@ -159,7 +159,7 @@ impl Checksums {
         if self.begun.1 > 0 {
             self.end_block();
         }
-        of_blocks(&self.finished)
+        file_checksum(&self.finished)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::scene::{Color, Texture, Wrap};
 use std::io;
 
 /// The least number of bytes of a texture in the file.
-pub(super) const LEAST: usize = 8 + 2 * 8 + 4;
+pub(super) const MIN_BYTES: usize = 8 + 2 * 8 + 4;
 
 pub(super) fn write(texture: &Texture, to: &mut Encoder<'_>) -> io::Result<()> {
     to.number(texture.width())?;
@@ -38,7 +38,7 @@ pub(super) fn read(from: &mut Decoder<'_>) -> Result<Texture, FormatError> {
             1 => Wrap::Mirror,
             2 => Wrap::Clamp,
             3 => Wrap::Border(None),
-            _ => Wrap::Border(Some(color_of(color))),
+            _ => Wrap::Border(Some(color_from_word(color))),
         };
     }
     let texels = from.list("texels", |[texel]: [u32; 1]| texel.to_le_bytes())?;
@@ -54,7 +54,7 @@ pub(super) fn word(Color([r, g, b]): Color) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-pub(super) fn color_of(word: u32) -> Color {
+pub(super) fn color_from_word(word: u32) -> Color {
     let [r, g, b, _] = word.to_le_bytes();
     Color([r, g, b])
 }

@@ -57,7 +57,7 @@ pub fn write_prepared(
     out: &mut dyn Write,
 ) -> Result<(), PrepareError> {
     check(file)?;
-    let contents = Contents::of(file, path);
+    let contents = Contents::collect(file, path);
     // The header holds the file's length, so a first pass counts the bytes.
     let length = contents.write(0, &mut io::sink())?;
     contents.write(length, out)?;
@@ -101,14 +101,14 @@ fn check(file: &SceneFile) -> Result<(), PrepareError> {
     if scene.objects.is_empty() {
         return Err(PrepareError::Nothing);
     }
-    match scene.objects.iter().find_map(of_scene_file) {
+    match scene.objects.iter().find_map(scene_file_property) {
         Some(what) => refused(&what),
         None => Ok(()),
     }
 }
 
 /// The first property of an object that only a scene file can have set.
-fn of_scene_file(object: &Object) -> Option<String> {
+fn scene_file_property(object: &Object) -> Option<String> {
     let Object {
         name,
         mesh: _,
@@ -154,7 +154,7 @@ struct Contents<'c> {
 }
 
 impl<'c> Contents<'c> {
-    fn of(file: &'c SceneFile, path: &Path) -> Self {
+    fn collect(file: &'c SceneFile, path: &Path) -> Self {
         let all = &file.scene.objects;
         let mut textures = Textures::default();
         let mut meshes: Vec<&Arc<Mesh>> = Vec::new();
@@ -170,7 +170,7 @@ impl<'c> Contents<'c> {
                     .mesh
                     .materials()
                     .iter()
-                    .for_each(|one| textures.add_of(one));
+                    .for_each(|one| textures.add_all(one));
             }
             object.texture.iter().for_each(|one| textures.add(one));
             let source = object.texture_source.as_deref();

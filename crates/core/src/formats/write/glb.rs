@@ -1,6 +1,6 @@
 //! Binary glTF 2.0 (Khronos Group, "glTF 2.0 Specification", 2021).
 
-use super::parts::{Joined, Part, Parts};
+use super::parts::{JoinedMesh, Part, Parts};
 use super::written::{WriteError, Written};
 use crate::scene::{Alpha, Color, Opacity};
 use crate::shade::srgb::linear;
@@ -28,7 +28,7 @@ pub(super) fn write(
     let objects: Vec<Object<'_, '_>> = parts.parts.iter().map(Object::of).collect();
     written.vertices = objects
         .iter()
-        .map(|object| object.joined.vertices.len() as u64)
+        .map(|object| object.join_attributes.vertices.len() as u64)
         .sum();
     if objects.iter().any(|object| object.lost_colors) {
         written
@@ -133,7 +133,7 @@ impl Tables {
 /// An object, converted for writing.
 struct Object<'p, 's> {
     part: &'p Part<'s>,
-    joined: Joined,
+    join_attributes: JoinedMesh,
     colors: Option<Vec<Color>>,
     lost_colors: bool,
     lost_materials: bool,
@@ -165,7 +165,7 @@ impl<'p, 's> Object<'p, 's> {
         }
         Self {
             part,
-            joined: part.joined(),
+            join_attributes: part.join_attributes(),
             lost_colors: colors.is_none() && !part.mesh.vertex_colors().is_empty(),
             lost_materials,
             colors,
@@ -189,7 +189,7 @@ impl<'p, 's> Object<'p, 's> {
             tables.nodes.push(node);
             return;
         }
-        let vertices = &self.joined.vertices;
+        let vertices = &self.join_attributes.vertices;
         let count = vertices.len();
         let mut attributes = json!({});
         let mut attribute =
@@ -258,7 +258,7 @@ impl<'p, 's> Object<'p, 's> {
             }
             written
         }));
-        let triangles = self.joined.triangles.len();
+        let triangles = self.join_attributes.triangles.len();
         let view = tables.view(12 * triangles as u64, ELEMENT_ARRAY_BUFFER);
         let ends = self.runs.iter().skip(1).map(|run| run.0).chain([triangles]);
         let mut primitives = Vec::new();
@@ -289,7 +289,7 @@ impl<'p, 's> Object<'p, 's> {
         if part.triangles.is_empty() {
             return Ok(());
         }
-        let vertices = &self.joined.vertices;
+        let vertices = &self.join_attributes.vertices;
         let mut floats = |numbers: &[f32]| {
             let mut numbers = numbers.iter();
             numbers.try_for_each(|number| out.write_all(&number.to_le_bytes()))
@@ -318,7 +318,7 @@ impl<'p, 's> Object<'p, 's> {
                 }
             }
         }
-        for index in self.joined.triangles.as_flattened() {
+        for index in self.join_attributes.triangles.as_flattened() {
             out.write_all(&index.to_le_bytes())?;
         }
         Ok(())

@@ -12,7 +12,7 @@ pub(super) fn write(
     written: &mut Written,
 ) -> Result<(), WriteError> {
     let meshes = parts.parts.iter().map(|part| part.mesh);
-    let names = Names::of(meshes.map(|mesh| mesh.materials()));
+    let names = Names::new(meshes.map(|mesh| mesh.materials()));
     let has_materials = names.are_any();
     let library = library.filter(|_| has_materials);
     match library {
@@ -30,7 +30,7 @@ pub(super) fn write(
             let [x, y, z] = position.to_array().map(|number| parts.decimal(number));
             write!(out, "v {x} {y} {z}")?;
             if let Some(Some(Color(channels))) = colors.get(vertex) {
-                let [r, g, b] = channels.map(share);
+                let [r, g, b] = channels.map(unit_channel);
                 write!(out, " {r} {g} {b}")?;
             }
             writeln!(out)?;
@@ -54,7 +54,7 @@ pub(super) fn write(
         for (index, &triangle) in part.triangles.iter().enumerate() {
             if library.is_some() {
                 let material = materials.get(index).copied();
-                let name = names.of_material(number, material);
+                let name = names.material_name(number, material);
                 if last_material != Some(name) {
                     writeln!(out, "usemtl {name}")?;
                     last_material = Some(name);
@@ -97,16 +97,16 @@ pub(super) fn write(
 
 /// Writes the library of the materials; returns whether there are any.
 pub(super) fn write_library(scene: &Scene, out: &mut dyn Write) -> io::Result<bool> {
-    let names = Names::of(scene.objects.iter().map(|object| object.mesh.materials()));
+    let names = Names::new(scene.objects.iter().map(|object| object.mesh.materials()));
     for (name, Color(channels)) in &names.all {
-        let [r, g, b] = channels.map(share);
+        let [r, g, b] = channels.map(unit_channel);
         writeln!(out, "newmtl {name}\nKd {r} {g} {b}")?;
     }
     Ok(names.are_any())
 }
 
 /// A channel from 0 to 1, with enough digits to restore eight bits.
-fn share(channel: u8) -> Shortest<f64> {
+fn unit_channel(channel: u8) -> Shortest<f64> {
     Shortest((f64::from(channel) / 255.0 * 1e4).round() / 1e4)
 }
 
@@ -119,7 +119,7 @@ struct Names {
 }
 
 impl Names {
-    fn of<'m>(objects: impl Iterator<Item = &'m [crate::scene::Material]>) -> Self {
+    fn new<'m>(objects: impl Iterator<Item = &'m [crate::scene::Material]>) -> Self {
         let mut all = vec![("none".to_owned(), Color::DEFAULT)];
         let mut known: HashMap<(String, Color), usize> = HashMap::from([(all[0].clone(), 0)]);
         let mut taken: HashMap<String, usize> = HashMap::from([(all[0].0.clone(), 1)]);
@@ -158,7 +158,7 @@ impl Names {
     }
 
     /// The name of an object's material, or of no material.
-    fn of_material(&self, object: usize, material: Option<u32>) -> &str {
+    fn material_name(&self, object: usize, material: Option<u32>) -> &str {
         let materials = &self.of_objects[object];
         let number = material.and_then(|material| materials.get(material as usize));
         &self.all[number.copied().unwrap_or(0)].0

@@ -132,7 +132,7 @@ impl<'s> Parts<'s> {
     }
 
     /// Records what a format of corners only loses.
-    pub(super) fn lose_attributes(&self, written: &mut Written) {
+    pub(super) fn record_lost_attributes(&self, written: &mut Written) {
         type Has = fn(&Mesh) -> bool;
         let kinds: [(&str, Has); 4] = [
             ("normals", Mesh::has_normals),
@@ -147,11 +147,11 @@ impl<'s> Parts<'s> {
                 written.lost.push(name.to_owned());
             }
         }
-        self.lose_names(written);
+        self.record_lost_names(written);
     }
 
     /// Records that a format without objects loses their names.
-    pub(super) fn lose_names(&self, written: &mut Written) {
+    pub(super) fn record_lost_names(&self, written: &mut Written) {
         if let count @ 2.. = self.parts.len() {
             written.lost.push(format!("that there are {count} objects"));
         }
@@ -267,14 +267,14 @@ impl<'s> Part<'s> {
 
     /// Vertices for formats in which all attributes of a vertex share an index: one for each combination of position,
     /// normal and texture coordinates.
-    pub(super) fn joined(&self) -> Joined {
+    pub(super) fn join_attributes(&self) -> JoinedMesh {
         let normals = self.normals.as_ref();
         let uvs = self.mesh.uvs();
-        let share = normals.is_none_or(|n| n.indices.is_none())
+        let unit_channel = normals.is_none_or(|n| n.indices.is_none())
             && uvs.is_none_or(|uvs| uvs.indices.is_none());
-        if share {
+        if unit_channel {
             let all = 0..self.positions.len() as u32;
-            return Joined {
+            return JoinedMesh {
                 vertices: all.map(|vertex| [vertex; 3]).collect(),
                 triangles: self.triangles.to_vec(),
             };
@@ -288,7 +288,7 @@ impl<'s> Part<'s> {
         };
         let normal_indices = normals.and_then(|normals| normals.indices.as_ref());
         let uv_indices = uvs.and_then(|uvs| uvs.indices.as_ref());
-        let joined = self
+        let join_attributes = self
             .triangles
             .iter()
             .enumerate()
@@ -303,8 +303,8 @@ impl<'s> Part<'s> {
                     })
                 })
             });
-        let triangles = joined.collect();
-        Joined {
+        let triangles = join_attributes.collect();
+        JoinedMesh {
             vertices,
             triangles,
         }
@@ -330,7 +330,7 @@ impl<'s> Part<'s> {
 }
 
 /// Vertices as combinations of position, normal and texture coordinates, by their indices; and triangles of them.
-pub(super) struct Joined {
+pub(super) struct JoinedMesh {
     pub(super) vertices: Vec<[u32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
 }

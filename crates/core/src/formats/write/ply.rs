@@ -1,4 +1,4 @@
-use super::parts::{Joined, Part, Parts, Shortest};
+use super::parts::{JoinedMesh, Part, Parts, Shortest};
 use super::written::{WriteError, Written};
 use crate::quote;
 use crate::scene::{Color, Mesh, Scalar, ScalarAt};
@@ -19,7 +19,7 @@ struct Columns {
 }
 
 /// What a reader appends to the name of a face scalar if a vertex scalar has the same name.
-const OF_FACES: &str = " of faces";
+const FACE_SUFFIX: &str = " of faces";
 
 /// The names of all meshes' scalars of vertices or of triangles, each once.
 fn names(parts: &Parts<'_>, at: ScalarAt) -> Vec<String> {
@@ -80,7 +80,7 @@ impl Columns {
 
 /// A scalar's name in the file.
 fn property(name: &str) -> &str {
-    name.strip_suffix(OF_FACES).unwrap_or(name)
+    name.strip_suffix(FACE_SUFFIX).unwrap_or(name)
 }
 
 const COLOR: [&str; 3] = ["red", "green", "blue"];
@@ -93,8 +93,8 @@ pub(super) fn write(
     out: &mut dyn Write,
     written: &mut Written,
 ) -> Result<(), WriteError> {
-    let joined: Vec<Joined> = parts.parts.iter().map(Part::joined).collect();
-    let vertices: usize = joined.iter().map(|part| part.vertices.len()).sum();
+    let join_attributes: Vec<JoinedMesh> = parts.parts.iter().map(Part::join_attributes).collect();
+    let vertices: usize = join_attributes.iter().map(|part| part.vertices.len()).sum();
     if vertices >= i32::MAX as usize {
         return Err(WriteError::TooMany {
             what: format!("{vertices} vertices"),
@@ -121,9 +121,9 @@ pub(super) fn write(
     }
     header(&columns, ascii, vertices, written.triangles, out)?;
     let mut row = Row { ascii, out };
-    for ((part, joined), colors) in parts.parts.iter().zip(&joined).zip(&colors) {
+    for ((part, join_attributes), colors) in parts.parts.iter().zip(&join_attributes).zip(&colors) {
         let scalars = values(part.mesh, &columns.scalars, ScalarAt::Vertices);
-        for &[position, normal, uv] in &joined.vertices {
+        for &[position, normal, uv] in &join_attributes.vertices {
             for number in part.positions[position as usize].to_array() {
                 if ascii {
                     write!(row.out, "{} ", parts.decimal(number))?;
@@ -151,9 +151,9 @@ pub(super) fn write(
         }
     }
     let mut first = 0;
-    for (part, joined) in parts.parts.iter().zip(&joined) {
+    for (part, join_attributes) in parts.parts.iter().zip(&join_attributes) {
         let scalars = values(part.mesh, &columns.face_scalars, ScalarAt::Triangles);
-        for (number, triangle) in joined.triangles.iter().enumerate() {
+        for (number, triangle) in join_attributes.triangles.iter().enumerate() {
             row.number(3u8, &[3])?;
             for corner in triangle {
                 let index = first + corner;
@@ -166,7 +166,7 @@ pub(super) fn write(
             row.scalars(&scalars, number)?;
             row.end()?;
         }
-        first += joined.vertices.len() as u32;
+        first += join_attributes.vertices.len() as u32;
     }
     if columns.doubles {
         parts.count_moves(written, |_, position| position);
@@ -176,7 +176,7 @@ pub(super) fn write(
     if columns.face_colors {
         written.lost.push("names of materials".to_owned());
     }
-    parts.lose_names(written);
+    parts.record_lost_names(written);
     Ok(())
 }
 

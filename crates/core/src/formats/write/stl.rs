@@ -18,7 +18,7 @@ pub(super) fn write(
         binary(parts, out, written.triangles)?;
     }
     parts.count_moves(written, |_, position| position.as_vec3().as_dvec3());
-    parts.lose_attributes(written);
+    parts.record_lost_attributes(written);
     Ok(())
 }
 

@@ -460,12 +460,18 @@ fn a_reading_that_is_cancelled_ends_without_a_mesh() {
         let cancel = Cancel::default();
         let budget = Budget::default().cancelled_by(cancel.clone());
         let files = Held::new(&resolve, &budget);
-        let message = mesh_file::read(Path::new(name), &bytes, &files, UpAxis::Y, &|share| {
-            // Progress ends at 1.
-            if share < 1.0 {
-                cancel.cancel();
-            }
-        });
+        let message = mesh_file::read(
+            Path::new(name),
+            &bytes,
+            &files,
+            UpAxis::Y,
+            &|unit_channel| {
+                // Progress ends at 1.
+                if unit_channel < 1.0 {
+                    cancel.cancel();
+                }
+            },
+        );
         assert!(
             matches!(message, Err(FormatError::Cancelled { .. })),
             "{name}"

@@ -18,6 +18,6 @@ pub(super) fn write(
         }
     }
     parts.count_moves(written, |_, position| position);
-    parts.lose_attributes(written);
+    parts.record_lost_attributes(written);
     Ok(())
 }
