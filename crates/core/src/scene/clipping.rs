@@ -26,7 +26,7 @@ pub enum ClippingError {
     #[error("a clipping plane's normal must not be zero")]
     ZeroNormal,
     /// A normal whose squared length overflows or underflows double precision.
-    #[error("a clipping plane's normal must be 1e-150 to 1e150 long")]
+    #[error("a clipping plane's normal must be 1.5e-154 to 1.3e154 long")]
     OddLength,
     /// A normal or an offset that is NaN or infinite.
     #[error("a clipping plane's numbers must be finite")]
@@ -174,6 +174,16 @@ mod tests {
         assert_eq!(new(DVec3::ZERO, 1.0), Err(ClippingError::ZeroNormal));
         assert_eq!(new(DVec3::X * f64::NAN, 1.0), Err(ClippingError::NotFinite));
         assert_eq!(new(DVec3::X, f64::INFINITY), Err(ClippingError::NotFinite));
+        // The lengths that the message gives are valid, those beyond them by their last digit are not.
+        for valid in [1.5e-154, 1.3e154] {
+            assert_eq!(new(DVec3::X * valid, 1.0), Ok(()), "{valid}");
+        }
+        for invalid in [1.4e-154, 1.4e154] {
+            let refused = new(DVec3::X * invalid, 1.0);
+            assert_eq!(refused, Err(ClippingError::OddLength), "{invalid}");
+        }
+        let message = ClippingError::OddLength.to_string();
+        assert!(message.ends_with("1.5e-154 to 1.3e154 long"), "{message}");
         let plane = ClippingPlane::new(DVec3::X, 2.0).expect("a plane");
         assert!(ClippingPlanes::new(&[plane; CLIPPING_PLANES]).is_ok());
         assert_eq!(
