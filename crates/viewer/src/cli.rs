@@ -2,6 +2,7 @@
 
 mod bench;
 mod camera;
+mod camera_values;
 mod casting;
 mod clip;
 mod frames;
@@ -10,19 +11,21 @@ mod plan;
 mod prepare;
 mod reading;
 mod refusal;
+mod render_options;
 mod report;
 mod section;
 mod shading;
+mod shading_values;
 mod shell;
 mod texture_map;
 mod texture_projection;
 mod tiles;
 mod values;
 mod verify;
-mod written;
 
 pub use bench::BenchArgs;
 pub use camera::CameraArgs;
+pub use camera_values::{OrbitArg, StereoArg};
 pub use casting::CastingArgs;
 pub use clip::{ClipArg, ClipArgs};
 pub use frames::{FrameArgs, FrameRange, frame_path};
@@ -31,16 +34,16 @@ pub use plan::PlanArgs;
 pub use prepare::PrepareArgs;
 pub use reading::{LimitArg, ReadingArgs};
 pub use refusal::refuse;
+pub use render_options::{camera_of, camera_options, has_own_projection, render_command};
 pub use report::ReportArgs;
 pub use section::SectionArgs;
 pub use shading::ShadingArgs;
+pub use shading_values::{BackFacesArg, GroundArg, SceneColor, WireframeArg};
 pub use shell::quoted_for_posix;
 pub use texture_map::TextureMapArgs;
 pub use texture_projection::TextureProjectionArgs;
 pub use tiles::TileArgs;
-pub use values::{BackFacesArg, GroundArg, OrbitArg, SceneColor, StereoArg, WireframeArg};
 pub use verify::VerifyArgs;
-pub use written::{camera_of, camera_options, has_own_projection, render_command};
 
 use clap::{Args, Parser};
 use raycast_core::Cull;
@@ -406,8 +409,11 @@ mod tests {
         ] {
             let error = parse(line).expect_err(line);
             assert_eq!(error.exit_code(), 2, "{line}");
-            let told = one_line(&error.to_string());
-            assert!(!told.contains('\n') && told.len() > 20, "{line}: {told}");
+            let message = one_line(&error.to_string());
+            assert!(
+                !message.contains('\n') && message.len() > 20,
+                "{line}: {message}"
+            );
         }
     }
 }

@@ -152,15 +152,15 @@ mod tests {
     fn a_failure_keeps_the_error_that_it_came_from() {
         let missing = raycast_core::formats::read_texture(Path::new("none/there.png"));
         let error = missing.expect_err("there is no such file");
-        let told = error.to_string();
+        let message = error.to_string();
         let failure = Failure::from(error);
-        assert_eq!(failure.to_string(), told);
+        assert_eq!(failure.to_string(), message);
         let source = failure.source().expect("a source");
         assert!(source.is::<FormatError>());
         let io = source.source().and_then(|io| io.downcast_ref());
         let io: &std::io::Error = io.expect("the system's own error");
         assert_eq!(io.kind(), std::io::ErrorKind::NotFound);
-        assert_eq!(failure, Failure::could_not(told));
+        assert_eq!(failure, Failure::could_not(message));
         assert!(Failure::usage("no").source().is_none());
     }
 }

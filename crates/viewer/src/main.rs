@@ -7,7 +7,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let first = std::env::args_os().nth(1);
     if let Some(refused) = first.as_deref().and_then(cli::mistyped) {
-        return refused.tell();
+        return refused.report();
     }
     match cli::Cli::try_parse() {
         Ok(cli) => commands::run(cli),

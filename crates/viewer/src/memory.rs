@@ -35,15 +35,15 @@ impl fmt::Display for Limit {
 
 /// Address space that a thread reserves at its start, used or not: glibc's allocator reserves 64 MiB for each, and
 /// its stack takes some 8 MiB. Encoders start as many threads as the machine has.
-const THREAD: u64 = 72 << 20;
+const THREAD_BYTES: u64 = 72 << 20;
 
 /// The quarters of the remaining address space that estimates may take: lists that double ask for more than they
 /// fill, which costs addresses but no memory.
-const QUARTERS: u64 = 3;
+const ADDRESS_QUARTERS: u64 = 3;
 
 /// The memory that is left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Room {
+pub struct AvailableMemory {
     /// The bytes that the process may take in addition.
     pub bytes: u64,
     /// The limit that decides it.
@@ -59,20 +59,20 @@ struct ProcessLimits {
     data: Option<u64>,
 }
 
-impl Room {
+impl AvailableMemory {
     /// The memory that is left now; `None` where the system does not report it.
     pub fn now() -> Option<Self> {
-        Self::under(Path::new("/"), process_limits())
+        Self::from_system_files(Path::new("/"), process_limits())
     }
 
     /// As reported by a Linux system's files under `root`.
-    fn under(root: &Path, limits: ProcessLimits) -> Option<Self> {
+    fn from_system_files(root: &Path, limits: ProcessLimits) -> Option<Self> {
         let status = read(&root.join("proc/self/status")).unwrap_or_default();
         let has = |key: &str| kibibytes(&status, key).unwrap_or(0);
         let left = |limit: Option<u64>, has: u64| limit.map(|limit| limit.saturating_sub(has));
         let addresses = left(limits.address_space, has("VmSize:"));
-        let addresses = addresses.map(|left| left.saturating_sub(limits.threads * THREAD));
-        let addresses = addresses.map(|left| left / 4 * QUARTERS);
+        let addresses = addresses.map(|left| left.saturating_sub(limits.threads * THREAD_BYTES));
+        let addresses = addresses.map(|left| left / 4 * ADDRESS_QUARTERS);
         let meminfo = read(&root.join("proc/meminfo")).unwrap_or_default();
         [
             (Limit::AddressSpace, addresses),
@@ -87,18 +87,21 @@ impl Room {
                 limit,
             })
         })
-        .min_by_key(|room| room.bytes)
+        .min_by_key(|available| available.bytes)
     }
 
     /// As [`check_scene`].
     fn check_scene(self, name: &str, triangles: usize, levels: u64) -> Result<(), Failure> {
-        let tree = triangles as u64 * TREE;
+        let tree = triangles as u64 * TREE_BYTES;
         let over = format!("{name}: the tree over {triangles} triangles");
         let (what, fits) = match self.bytes.checked_sub(levels) {
-            _ if levels == 0 => (over, format!("{} triangles would fit", self.bytes / TREE)),
-            Some(left) if left >= TREE => (
+            _ if levels == 0 => (
+                over,
+                format!("{} triangles would fit", self.bytes / TREE_BYTES),
+            ),
+            Some(left) if left >= TREE_BYTES => (
                 format!("{over} and its textures' mip levels"),
-                format!("{} triangles would fit", left / TREE),
+                format!("{} triangles would fit", left / TREE_BYTES),
             ),
             _ => (
                 format!("{over} and its textures' mip levels"),
@@ -133,8 +136,8 @@ impl Room {
 /// An unused budget of reading, within these limits and the memory that is left.
 pub fn budget(limits: Limits) -> Budget {
     let budget = Budget::new(limits);
-    match Room::now() {
-        Some(room) => budget.within_memory(room.bytes, room.limit.to_string()),
+    match AvailableMemory::now() {
+        Some(available) => budget.within_memory(available.bytes, available.limit.to_string()),
         None => budget,
     }
 }
@@ -142,7 +145,7 @@ pub fn budget(limits: Limits) -> Budget {
 /// An upper bound of the memory that building the tree takes, in bytes a triangle: 180 were measured at the peak of
 /// reading and building a mesh of a million. A larger value would refuse scenes that fit; with a smaller one commands
 /// would fail halfway.
-const TREE: u64 = 200;
+const TREE_BYTES: u64 = 200;
 
 /// Refuses a scene for whose tree too little memory is left.
 ///
@@ -158,8 +161,8 @@ pub fn check_tree(name: &str, triangles: usize) -> Result<(), Failure> {
 /// # Errors
 /// Too many triangles or too large textures, with the figures and what would fit.
 pub fn check_scene(name: &str, triangles: usize, levels: u64) -> Result<(), Failure> {
-    match Room::now() {
-        Some(room) => room.check_scene(name, triangles, levels),
+    match AvailableMemory::now() {
+        Some(available) => available.check_scene(name, triangles, levels),
         None => Ok(()),
     }
 }
@@ -175,15 +178,15 @@ pub fn check_picture(
     memory_for: impl Fn(u32, u32) -> u64,
     otherwise: &str,
 ) -> Result<(), Failure> {
-    let Some(room) = Room::now() else {
+    let Some(available) = AvailableMemory::now() else {
         return Ok(());
     };
     let what = format!("{}: a picture of {columns}x{rows}", name.display());
-    let fits = match largest((columns, rows), room.bytes, &memory_for) {
+    let fits = match largest((columns, rows), available.bytes, &memory_for) {
         Some((columns, rows)) => format!("{columns}x{rows} would fit{otherwise}"),
         None => format!("no picture would fit{otherwise}"),
     };
-    room.check(memory_for(columns, rows), what, fits)
+    available.check(memory_for(columns, rows), what, fits)
 }
 
 /// Refuses a picture made in bands if too little memory is left for one band.
@@ -191,11 +194,11 @@ pub fn check_picture(
 /// # Errors
 /// Too wide a picture, with the figures.
 pub fn check_band(name: &Path, bytes: u64) -> Result<(), Failure> {
-    let Some(room) = Room::now() else {
+    let Some(available) = AvailableMemory::now() else {
         return Ok(());
     };
     let what = format!("{}: a band of the picture", name.display());
-    room.check(bytes, what, "a narrower picture would fit")
+    available.check(bytes, what, "a narrower picture would fit")
 }
 
 /// The largest picture of a shape that takes at most so many bytes.
@@ -269,8 +272,8 @@ fn control_group(root: &Path) -> Option<u64> {
         let Some((mount, names)) = files else {
             continue;
         };
-        for group in from_leaf(&mount, path) {
-            if let Some(left) = left_in(&group, names) {
+        for group in group_folders(&mount, path) {
+            if let Some(left) = group_bytes_left(&group, names) {
                 least = Some(least.map_or(left, |least| least.min(left)));
             }
         }
@@ -280,7 +283,7 @@ fn control_group(root: &Path) -> Option<u64> {
 
 /// The folders of a group and its ancestors. In a container the path often exists on the host only; the mount itself
 /// is then the group's folder.
-fn from_leaf(mount: &Path, path: &str) -> Vec<PathBuf> {
+fn group_folders(mount: &Path, path: &str) -> Vec<PathBuf> {
     let leaf = mount.join(path.trim_start_matches('/'));
     let mut folders: Vec<PathBuf> = leaf
         .ancestors()
@@ -294,7 +297,7 @@ fn from_leaf(mount: &Path, path: &str) -> Vec<PathBuf> {
 }
 
 /// What a group leaves: its limit minus its usage, not counting cached files that are inactive.
-fn left_in(group: &Path, [limit, usage, unread]: [&str; 3]) -> Option<u64> {
+fn group_bytes_left(group: &Path, [limit, usage, unread]: [&str; 3]) -> Option<u64> {
     let number = |name: &str| read(&group.join(name))?.trim().parse::<u64>().ok();
     // `max`, which is no number, means unlimited; so does version 1's 2⁶³ minus a page.
     let limit = number(limit).filter(|&limit| limit < 1 << 62)?;
@@ -343,17 +346,20 @@ mod tests {
         "MemTotal:  4194304 kB\nMemFree:  1024 kB\nMemAvailable:  2097152 kB\n",
     );
 
-    fn room(files: &[(&str, &str)], limits: ProcessLimits) -> Option<(u64, Limit)> {
+    fn available(files: &[(&str, &str)], limits: ProcessLimits) -> Option<(u64, Limit)> {
         let root = system(files);
-        let room = Room::under(root.path(), limits)?;
-        Some((room.bytes / MIB, room.limit))
+        let available = AvailableMemory::from_system_files(root.path(), limits)?;
+        Some((available.bytes / MIB, available.limit))
     }
 
     #[test]
     fn the_least_counts() {
         let none = ProcessLimits::default();
-        assert_eq!(room(&[], none), None);
-        assert_eq!(room(&[STATUS, MEMINFO], none), Some((2048, Limit::Machine)));
+        assert_eq!(available(&[], none), None);
+        assert_eq!(
+            available(&[STATUS, MEMINFO], none),
+            Some((2048, Limit::Machine))
+        );
         // 200 MiB in use and two threads to be started, of which a quarter is left free.
         let limits = ProcessLimits {
             threads: 2,
@@ -361,19 +367,25 @@ mod tests {
             data: Some(3000 * MIB),
         };
         assert_eq!(
-            room(&[STATUS, MEMINFO], limits),
+            available(&[STATUS, MEMINFO], limits),
             Some((600, Limit::AddressSpace))
         );
         let limits = ProcessLimits {
             data: Some(150 * MIB),
             ..none
         };
-        assert_eq!(room(&[STATUS, MEMINFO], limits), Some((50, Limit::Data)));
+        assert_eq!(
+            available(&[STATUS, MEMINFO], limits),
+            Some((50, Limit::Data))
+        );
         let used_up = ProcessLimits {
             address_space: Some(1),
             ..none
         };
-        assert_eq!(room(&[STATUS], used_up), Some((0, Limit::AddressSpace)));
+        assert_eq!(
+            available(&[STATUS], used_up),
+            Some((0, Limit::AddressSpace))
+        );
     }
 
     #[test]
@@ -391,7 +403,7 @@ mod tests {
             ("sys/fs/cgroup/a/b/memory.max", "max\n"),
             ("sys/fs/cgroup/a/b/memory.current", "314572800\n"),
         ];
-        assert_eq!(room(&second, none), Some((300, Limit::ControlGroup)));
+        assert_eq!(available(&second, none), Some((300, Limit::ControlGroup)));
         let first = [
             MEMINFO,
             (
@@ -416,7 +428,7 @@ mod tests {
                 "inactive_file 7\ntotal_inactive_file 52428800\n",
             ),
         ];
-        assert_eq!(room(&first, none), Some((150, Limit::ControlGroup)));
+        assert_eq!(available(&first, none), Some((150, Limit::ControlGroup)));
         // In a container: the path does not exist, and the limit is at the mount.
         let inside = [
             MEMINFO,
@@ -424,24 +436,24 @@ mod tests {
             ("sys/fs/cgroup/memory.max", "104857600\n"),
             ("sys/fs/cgroup/memory.current", "0\n"),
         ];
-        assert_eq!(room(&inside, none), Some((100, Limit::ControlGroup)));
+        assert_eq!(available(&inside, none), Some((100, Limit::ControlGroup)));
     }
 
     #[test]
-    fn refusals_tell_the_figures() {
-        let room = Room {
+    fn refusals_give_the_figures() {
+        let available = AvailableMemory {
             bytes: 3 << 30,
             limit: Limit::ControlGroup,
         };
-        assert_eq!(room.check(3 << 30, "a", "b"), Ok(()));
-        let refused = room.check(5 << 30, "a picture", "a smaller one would fit");
+        assert_eq!(available.check(3 << 30, "a", "b"), Ok(()));
+        let refused = available.check(5 << 30, "a picture", "a smaller one would fit");
         assert_eq!(
             refused.expect_err("too large").to_string(),
             "a picture needs 5.0 GiB of memory, and its control group leaves 3.0 GiB: a smaller one would fit"
         );
-        let small = Room {
+        let small = AvailableMemory {
             bytes: 10 * MIB,
-            ..room
+            ..available
         };
         let refused = small.check(11 * MIB, "a", "b").expect_err("too large");
         assert!(refused.to_string().contains("11 MiB"), "{refused}");
@@ -449,25 +461,25 @@ mod tests {
 
     #[test]
     fn mip_levels_are_counted_with_the_tree() {
-        let room = Room {
+        let available = AvailableMemory {
             bytes: 100 * MIB,
             limit: Limit::Data,
         };
-        let triangles = (50 * MIB / TREE) as usize;
-        assert_eq!(room.check_scene("a.obj", triangles, 50 * MIB), Ok(()));
-        let told = |triangles, levels| {
-            let refused = room.check_scene("a.obj", triangles, levels);
+        let triangles = (50 * MIB / TREE_BYTES) as usize;
+        assert_eq!(available.check_scene("a.obj", triangles, 50 * MIB), Ok(()));
+        let refusal = |triangles, levels| {
+            let refused = available.check_scene("a.obj", triangles, levels);
             refused.expect_err("too much").to_string()
         };
-        let both = told(triangles, 60 * MIB);
+        let both = refusal(triangles, 60 * MIB);
         assert!(
             both.contains("and its textures' mip levels needs 110 MiB"),
             "{both}"
         );
         assert!(both.ends_with("209715 triangles would fit"), "{both}");
-        let levels = told(12, 101 * MIB);
+        let levels = refusal(12, 101 * MIB);
         assert!(levels.ends_with("bilinear need no mip levels"), "{levels}");
-        let tree = told(3 * triangles, 0);
+        let tree = refusal(3 * triangles, 0);
         assert!(!tree.contains("mip levels"), "{tree}");
     }
 
@@ -484,8 +496,8 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn this_machine_tells() {
-        let room = Room::now().expect("Linux tells");
-        assert!(room.bytes > MIB, "{room:?}");
+    fn this_machine_reports_its_memory() {
+        let available = AvailableMemory::now().expect("Linux tells");
+        assert!(available.bytes > MIB, "{available:?}");
     }
 }

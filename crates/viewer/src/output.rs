@@ -37,8 +37,8 @@ mod unfinished;
 
 pub use folder::Folder;
 pub use journal::Journal;
-pub use part_folder::FolderUnderWay;
+pub use part_folder::PartFolder;
 pub use signals::watch_signals;
-pub use standard::{print, say, written};
+pub use standard::{print, print_error, written};
 pub use target::Output;
 pub use unfinished::Unfinished;

@@ -3,7 +3,7 @@
 use super::frames::{self, Frames};
 use super::log::FrameLog;
 use super::{App, Link};
-use crate::output::say;
+use crate::output::print_error;
 use crate::worker::SharedClock;
 use crate::worker::outbox::Outbox;
 use raycast_core::formats::Limits;
@@ -36,7 +36,7 @@ pub fn run(options: Options) -> ExitCode {
         .transpose()
     {
         Ok(log) => log,
-        Err(failure) => return failure.tell(),
+        Err(failure) => return failure.report(),
     };
     if !has_display() {
         return refuse(NO_DISPLAY);
@@ -108,7 +108,7 @@ const NO_WINDOW: &str =
 
 /// The line that explains why there is no window.
 fn refuse(reason: &str) -> ExitCode {
-    say(reason);
+    print_error(reason);
     ExitCode::FAILURE
 }
 

@@ -1,4 +1,4 @@
-use super::{CastingArgs, ReadingArgs, values};
+use super::{CastingArgs, ReadingArgs, camera_values, shading_values, values};
 use clap::Args;
 use raycast_core::camera::Projection;
 use raycast_core::glam::DVec3;
@@ -32,10 +32,10 @@ pub struct BenchArgs {
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
     pub size: (u32, u32),
     /// Vertical field of view in degrees [default: 45; panoramas: 180, cylindrical and cubemap 90, cubemap:cross 270]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = values::fov)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = camera_values::fov)]
     pub fov: Option<f64>,
     /// How rays leave the camera
-    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(values::PROJECTIONS))]
+    #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(camera_values::PROJECTIONS))]
     pub projection: Projection,
     /// Measure only the view from this point
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
@@ -47,7 +47,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true, value_parser = values::point)]
     pub up: Option<DVec3>,
     /// What the pictures show
-    #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(values::MODES))]
+    #[arg(long, value_name = "MODE", default_value = "smooth", value_parser = values::named(shading_values::MODES))]
     pub mode: Mode,
     /// Measure visibility and the pictures of all modes in turns; frame_beside_cast is the geometric mean over the
     /// views of frame time over cast time, written_ms the time that writing the picture's bytes alone takes

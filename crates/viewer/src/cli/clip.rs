@@ -145,20 +145,20 @@ mod tests {
     fn options_go_before_the_files_planes() {
         let file = ClippingPlane::new(DVec3::Y, 1.0).expect("a plane");
         let file = ClippingPlanes::new(&[file]).expect("one");
-        let asked = |words: &[&str]| {
+        let parsed = |words: &[&str]| {
             let clip = words.iter().map(|word| word.parse().expect("a plane"));
             let args = ClipArgs {
                 clip: clip.collect(),
             };
             args.planes(file)
         };
-        assert_eq!(asked(&[]), Ok(file));
-        assert_eq!(asked(&["none"]), Ok(ClippingPlanes::NONE));
+        assert_eq!(parsed(&[]), Ok(file));
+        assert_eq!(parsed(&["none"]), Ok(ClippingPlanes::NONE));
         assert_eq!(
-            asked(&["x:1", "x:2"]).map(|planes| planes.all().len()),
+            parsed(&["x:1", "x:2"]).map(|planes| planes.all().len()),
             Ok(2)
         );
-        assert!(asked(&["x:1", "none"]).is_err());
-        assert!(asked(&["x:1"; 9]).is_err());
+        assert!(parsed(&["x:1", "none"]).is_err());
+        assert!(parsed(&["x:1"; 9]).is_err());
     }
 }

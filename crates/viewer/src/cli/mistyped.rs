@@ -10,11 +10,11 @@ use std::path::Path;
 /// Without this check it would be taken for a file to open, and its options would be refused as those of the window.
 /// `None` for anything else.
 pub fn mistyped(word: &OsStr) -> Option<Failure> {
-    let is_there = Path::new(word).exists();
+    let exists = Path::new(word).exists();
     let word = word.to_str()?;
     let is_like_a_command = word.starts_with(char::is_alphabetic)
         && word.chars().all(|c| c.is_alphabetic() || c == '-');
-    if is_there || !is_like_a_command {
+    if exists || !is_like_a_command {
         return None;
     }
     let mut cli = Cli::command();
@@ -46,12 +46,12 @@ fn nearest<'a>(word: &str, names: &[&'a str]) -> Option<&'a str> {
 mod tests {
     use super::*;
 
-    fn told(word: &str) -> Option<String> {
+    fn message(word: &str) -> Option<String> {
         mistyped(OsStr::new(word)).map(|failure| failure.to_string())
     }
 
     #[test]
-    fn slips_are_told_with_the_command_that_was_meant() {
+    fn a_mistyped_command_gives_the_one_that_was_meant() {
         for (word, meant) in [
             ("reder", "render"),
             ("Render", "render"),
@@ -66,11 +66,14 @@ mod tests {
             ("textur-map", "texture-map"),
             ("texturemap", "texture-map"),
         ] {
-            let told = told(word).unwrap_or_else(|| panic!("{word} is no command"));
-            assert!(told.contains(&format!("did you mean `{meant}`?")), "{told}");
-            assert!(told.starts_with(&format!("{word}: ")), "{told}");
+            let message = message(word).unwrap_or_else(|| panic!("{word} is no command"));
+            assert!(
+                message.contains(&format!("did you mean `{meant}`?")),
+                "{message}"
+            );
+            assert!(message.starts_with(&format!("{word}: ")), "{message}");
         }
-        let far = told("bunny").expect("no command, no file");
+        let far = message("bunny").expect("no command, no file");
         assert!(!far.contains("did you mean"), "{far}");
     }
 
@@ -79,7 +82,7 @@ mod tests {
         for word in [
             "render", "view", "help", "--help", "-V", "", "none.obj", "a/b", "src",
         ] {
-            assert_eq!(told(word), None, "{word}");
+            assert_eq!(message(word), None, "{word}");
         }
     }
 }

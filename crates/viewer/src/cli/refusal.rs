@@ -10,15 +10,15 @@ pub fn refuse(error: &clap::Error) -> ExitCode {
         let printed = error.print().and_then(|()| std::io::stdout().flush());
         return match output::written(printed) {
             Ok(()) => ExitCode::SUCCESS,
-            Err(failure) => failure.tell(),
+            Err(failure) => failure.report(),
         };
     }
-    Failure::usage(one_line(&error.to_string())).tell()
+    Failure::usage(one_line(&error.to_string())).report()
 }
 
 /// clap's message in one line: without `error:`, usage and hints.
 pub(super) fn one_line(message: &str) -> String {
-    let told: Vec<_> = message
+    let line: Vec<_> = message
         .lines()
         .map(str::trim)
         .take_while(|line| {
@@ -28,11 +28,11 @@ pub(super) fn one_line(message: &str) -> String {
         })
         .filter(|line| !line.is_empty())
         .collect();
-    let told = told.join(" ");
-    let told = told.strip_prefix("error: ").unwrap_or(&told);
-    if told.is_empty() {
+    let line = line.join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    if line.is_empty() {
         "no such command line; see `raycast --help`".to_owned()
     } else {
-        format!("{told} (see `raycast --help`)")
+        format!("{line} (see `raycast --help`)")
     }
 }

@@ -1,4 +1,4 @@
-use super::{ReadingArgs, ShadingArgs, TextureProjectionArgs, values};
+use super::{ReadingArgs, ShadingArgs, TextureProjectionArgs, shading_values};
 use clap::Args;
 use raycast_core::scene::{Crop, Wrap};
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub struct TextureMapArgs {
     #[arg(long, value_name = "IMAGE")]
     pub texture: PathBuf,
     /// The part of the image to use, in its pixels from the top left; it is outlined
-    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop)]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = shading_values::crop)]
     pub crop: Option<Crop>,
     /// Draw this triangle of the object alone, filled [default: all]
     #[arg(long, value_name = "N", requires = "files")]
@@ -29,10 +29,10 @@ pub struct TextureMapArgs {
     #[arg(long, value_name = "N", requires = "files")]
     pub object: Option<u32>,
     /// Width of lines in pixels
-    #[arg(long, value_name = "WIDTH", default_value = "1.5", value_parser = values::line_width)]
+    #[arg(long, value_name = "WIDTH", default_value = "1.5", value_parser = shading_values::line_width)]
     pub line_width: f32,
     /// As `raycast render --wrap`
-    #[arg(long, value_name = "KIND[,KIND]", value_parser = values::wrap)]
+    #[arg(long, value_name = "KIND[,KIND]", value_parser = shading_values::wrap)]
     pub wrap: Option<[Wrap; 2]>,
     /// How texture coordinates are assigned.
     #[command(flatten)]

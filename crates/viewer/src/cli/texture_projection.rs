@@ -1,4 +1,4 @@
-use super::values;
+use super::{camera_values, shading_values, values};
 use clap::Args;
 use raycast_core::camera::{BrownConrady, DEFAULT_FOV, Placement};
 use raycast_core::glam::{DVec2, DVec3};
@@ -8,7 +8,7 @@ use raycast_core::scene::{Photograph, TextureProjection};
 #[derive(Clone, Debug, Default, Args)]
 pub struct TextureProjectionArgs {
     /// How texture coordinates are assigned to surfaces [default: the scene file's, uv]
-    #[arg(long = "texture-projection", value_name = "KIND", value_parser = values::named(values::TEXTURE_PROJECTIONS))]
+    #[arg(long = "texture-projection", value_name = "KIND", value_parser = values::named(shading_values::TEXTURE_PROJECTIONS))]
     pub kind: Option<TextureProjection>,
     /// The centre of a texture's plane, sphere or cylinder, in each object's own space [default: the middle of its box]
     #[arg(long = "texture-center", value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
@@ -21,20 +21,20 @@ pub struct TextureProjectionArgs {
     #[arg(id = "texture_up", long = "texture-up", value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     pub up: Option<DVec3>,
     /// Width and height of a plane; the height of a cylinder [default: the box's]
-    #[arg(id = "texture_size", long = "texture-size", value_name = "W,H", allow_hyphen_values = true, value_parser = values::extent)]
+    #[arg(id = "texture_size", long = "texture-size", value_name = "W,H", allow_hyphen_values = true, value_parser = shading_values::extent)]
     pub size: Option<DVec2>,
     /// Project the texture as a photograph onto what its camera saw: that camera's position, target and up direction,
     /// in world space [default up: 0,1,0]
-    #[arg(id = "texture_camera", long = "texture-camera", value_name = "EYE/TARGET[/UP]", allow_hyphen_values = true, value_parser = values::placement)]
+    #[arg(id = "texture_camera", long = "texture-camera", value_name = "EYE/TARGET[/UP]", allow_hyphen_values = true, value_parser = camera_values::placement)]
     pub camera: Option<Placement>,
     /// The photograph's vertical field of view in degrees [default: 45]
-    #[arg(id = "texture_fov", long = "texture-fov", value_name = "DEG", requires = "texture_camera", allow_hyphen_values = true, value_parser = values::planar_fov)]
+    #[arg(id = "texture_fov", long = "texture-fov", value_name = "DEG", requires = "texture_camera", allow_hyphen_values = true, value_parser = camera_values::planar_fov)]
     pub fov: Option<f64>,
     /// The shift of the photograph's frame off its view axis, to the right and up, in heights of the frame
-    #[arg(id = "texture_shift", long = "texture-shift", value_name = "X,Y", requires = "texture_camera", allow_hyphen_values = true, value_parser = values::shift)]
+    #[arg(id = "texture_shift", long = "texture-shift", value_name = "X,Y", requires = "texture_camera", allow_hyphen_values = true, value_parser = camera_values::shift)]
     pub shift: Option<[f64; 2]>,
     /// The photograph's lens distortion: OpenCV's Brown-Conrady coefficients
-    #[arg(id = "texture_lens", long = "texture-lens", value_name = "K1,K2,P1,P2,K3", requires = "texture_camera", allow_hyphen_values = true, value_parser = values::lens)]
+    #[arg(id = "texture_lens", long = "texture-lens", value_name = "K1,K2,P1,P2,K3", requires = "texture_camera", allow_hyphen_values = true, value_parser = camera_values::lens)]
     pub lens: Option<BrownConrady>,
 }
 

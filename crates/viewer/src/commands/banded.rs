@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// The interval at which progress is stored in the journal: the most work that is repeated after an interruption. With
 /// a shorter one syncing takes longer.
-const NOTED_EVERY: Duration = Duration::from_millis(250);
+const JOURNAL_INTERVAL: Duration = Duration::from_millis(250);
 
 /// A picture's file that is written in bands.
 pub(super) struct Banded<'a> {
@@ -75,10 +75,12 @@ impl<'a> Banded<'a> {
             (file, None)
         };
         let known = journal.iter().flat_map(|journal| journal.pieces());
-        let mut sizes: Vec<BandSizes> = known.map(|words| read(words)).collect::<Result<_, _>>()?;
+        let mut sizes: Vec<BandSizes> = known
+            .map(|band_entry| read(band_entry))
+            .collect::<Result<_, _>>()?;
         progress.counting("rendering", bands.len() as u64);
         progress.done(sizes.len() as u64);
-        let mut noted = Instant::now();
+        let mut last_note = Instant::now();
         for index in sizes.len()..bands.len() {
             let rect = bands.rect(index);
             let picture = make(rect)?;
@@ -86,10 +88,10 @@ impl<'a> Banded<'a> {
             drop(picture);
             file.append(&band.bytes)?;
             if let Some(journal) = &mut journal {
-                journal.remember(&band.bytes, &words(&band.sizes));
-                if noted.elapsed() >= NOTED_EVERY {
+                journal.remember(&band.bytes, &band_entry(&band.sizes));
+                if last_note.elapsed() >= JOURNAL_INTERVAL {
                     file.note(journal)?;
-                    noted = Instant::now();
+                    last_note = Instant::now();
                 }
             }
             sizes.push(band.sizes);
@@ -144,15 +146,15 @@ impl Written {
 }
 
 /// A band's entry in the journal: its checksum, and the length of each part.
-fn words(sizes: &BandSizes) -> String {
+fn band_entry(sizes: &BandSizes) -> String {
     let parts = sizes.parts.iter().map(|part| format!(" {part}"));
     std::iter::once(sizes.check.to_string())
         .chain(parts)
         .collect()
 }
 
-fn read(words: &str) -> Result<BandSizes, Failure> {
-    let numbers: Result<Vec<u32>, _> = words.split(' ').map(str::parse).collect();
+fn read(band_entry: &str) -> Result<BandSizes, Failure> {
+    let numbers: Result<Vec<u32>, _> = band_entry.split(' ').map(str::parse).collect();
     match numbers.as_deref() {
         Ok([check, parts @ ..]) => Ok(BandSizes {
             parts: parts.to_vec(),

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 const RAYS_AT_ONCE: usize = 1 << 18;
 
 /// Rays in one parallel task.
-const RAYS_A_TASK: usize = 1 << 10;
+const RAYS_PER_TASK: usize = 1 << 10;
 
 /// Counts of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -207,8 +207,8 @@ fn cast_all(
 ) -> (Vec<u8>, Counts) {
     let mut hits = vec![0; rays.len() / RAY_BYTES * HIT_BYTES];
     let counts = rays
-        .par_chunks(RAYS_A_TASK * RAY_BYTES)
-        .zip(hits.par_chunks_mut(RAYS_A_TASK * HIT_BYTES))
+        .par_chunks(RAYS_PER_TASK * RAY_BYTES)
+        .zip(hits.par_chunks_mut(RAYS_PER_TASK * HIT_BYTES))
         .map(|(rays, hits)| {
             let mut counts = Counts::default();
             for (ray, hit) in rays
@@ -218,14 +218,14 @@ fn cast_all(
                 .zip(hits.as_chunks_mut::<HIT_BYTES>().0)
             {
                 let ray = decode_ray(ray);
-                let met = if ray.is_valid() {
+                let found = if ray.is_valid() {
                     kept.cast(&ray, cull)
                 } else {
                     counts.invalid += 1;
                     None
                 };
-                counts.hits += u64::from(met.is_some());
-                *hit = encode_hit(met.as_ref());
+                counts.hits += u64::from(found.is_some());
+                *hit = encode_hit(found.as_ref());
             }
             counts.rays = (rays.len() / RAY_BYTES) as u64;
             progress.done(counts.rays);
@@ -279,7 +279,10 @@ mod tests {
         let Err(failure) = refused else {
             panic!("33 bytes are no rays");
         };
-        let told = failure.to_string();
-        assert!(told.contains("33") && told.contains("32"), "{told}");
+        let message = failure.to_string();
+        assert!(
+            message.contains("33") && message.contains("32"),
+            "{message}"
+        );
     }
 }

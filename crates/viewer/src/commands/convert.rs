@@ -59,7 +59,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         file.finish()?;
     }
     mesh_file.finish()?;
-    tell(&name, &written);
+    report_losses(&name, &written);
     Ok(())
 }
 
@@ -80,15 +80,15 @@ fn write<T>(
         Failure::could_not(format!("{}: cannot be written: {error}", name.display()))
     };
     let mut out = BufWriter::with_capacity(1 << 20, output.create()?);
-    let told = write(&mut out).map_err(|error| cannot(&error))?;
+    let result = write(&mut out).map_err(|error| cannot(&error))?;
     let file = out
         .into_inner()
         .map_err(|error| cannot(&io::Error::from(error)))?;
-    Ok((file, told))
+    Ok((file, result))
 }
 
 /// Reports on standard error what the format cannot represent.
-fn tell(name: &str, written: &Written) {
+fn report_losses(name: &str, written: &Written) {
     let Written {
         triangles,
         dropped,

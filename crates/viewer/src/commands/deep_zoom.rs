@@ -3,7 +3,7 @@
 
 use super::Failure;
 use crate::memory;
-use crate::output::{FolderUnderWay, Output};
+use crate::output::{Output, PartFolder};
 use crate::progress::TerminalProgress;
 use raycast_core::camera::Rect;
 use raycast_core::picture::{Format, Picture};
@@ -48,7 +48,7 @@ impl DeepZoom {
         let mut folder = path.with_extension("").into_os_string();
         folder.push("_files");
         // Created and removed again: failing now is better than after the work.
-        drop(FolderUnderWay::create(Path::new(&folder))?);
+        drop(PartFolder::create(Path::new(&folder))?);
         Ok(Self {
             dzi,
             page,
@@ -77,7 +77,7 @@ impl DeepZoom {
         // half of that.
         let row = u64::from(columns) * u64::from(TILE) * 4;
         memory::check_band(&self.name, 4 * row)?;
-        let folder = FolderUnderWay::create(&self.folder)?;
+        let folder = PartFolder::create(&self.folder)?;
         let levels = (0..32)
             .find(|&level| 1 << level >= u64::from(columns.max(rows)))
             .unwrap_or(32);

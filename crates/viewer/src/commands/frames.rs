@@ -1,7 +1,8 @@
 //! Rendering the frames of an animation: one scene and one tree; a frame is rendered while the one before is written.
 
 use super::banded::Banded;
-use super::render::{Opened, open, render_rect, sub_camera_at, tell};
+use super::opened_scene::OpenedScene;
+use super::render::{render_rect, sub_camera_at};
 use super::{Failure, workers};
 use crate::cli::{FrameRange, RenderArgs, frame_path};
 use crate::memory;
@@ -26,22 +27,22 @@ const RATE: u16 = 25;
 pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let started = Instant::now();
     let name = args.output.to_string_lossy().into_owned();
-    let is_each = frame_path(&args.output, 0).is_some();
-    if !is_each && name.contains('%') {
+    let has_file_per_frame = frame_path(&args.output, 0).is_some();
+    if !has_file_per_frame && name.contains('%') {
         return Err(Failure::usage(format!(
             "{name}: expected one place for the frame's number, as %d or %05d"
         )));
     }
-    let format = match (is_each, args.output.extension()) {
+    let format = match (has_file_per_frame, args.output.extension()) {
         (false, Some(extension)) if extension.eq_ignore_ascii_case("apng") => Format::Png,
         _ => Format::from_name(&name)?,
     };
-    if !is_each && (format != Format::Png || args.tiles.sub_camera.is_some()) {
+    if !has_file_per_frame && (format != Format::Png || args.tiles.sub_camera.is_some()) {
         return Err(Failure::usage(format!(
             "{name}: several frames are written to a file each (out-%05d.png), or to one .png or .apng"
         )));
     }
-    if args.resume && !is_each {
+    if args.resume && !has_file_per_frame {
         return Err(Failure::usage(format!(
             "{name}: a file of several frames is written in one piece: leave out --resume"
         )));
@@ -58,7 +59,7 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     for end in [range.first, range.last] {
         Output::at(&path(end), &inputs)?;
     }
-    let outputs: Vec<PathBuf> = match is_each {
+    let outputs: Vec<PathBuf> = match has_file_per_frame {
         true => range.numbers().map(path).collect(),
         false => vec![args.output.clone()],
     };
@@ -66,7 +67,7 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;
     let progress = TerminalProgress::new();
-    let opened = open(args, format, &pool, &progress, &|opened| {
+    let opened = OpenedScene::open(args, format, &pool, &progress, &|opened| {
         stats_target.check_against(opened)
     })?;
     Output::check_all(&outputs, &opened.opened)?;
@@ -76,48 +77,45 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     let clock = || rendering.elapsed();
     progress.counting("rendering", range.count().into());
     let mut sum = TileStats::default();
-    let make = |view: &View, rect: Rect, sum: &mut TileStats| {
+    let render = |view: &View, rect: Rect, sum: &mut TileStats| {
         let part = view.camera.sub_camera(rect);
         let rendered = pool.install(|| render_rect(view, part, args.tiles.grid(), &clock, &|_| {}));
         let (picture, tiles) = rendered?;
         *sum += tiles;
         Ok::<Picture, Failure>(picture)
     };
-    if is_each {
-        write_each(args, &frames, format, &pool, &progress, &mut sum, make)?;
+    if has_file_per_frame {
+        write_each(args, &frames, format, &pool, &progress, &mut sum, render)?;
     } else {
-        write_one(args, &opened, &frames, &progress, &mut sum, make)?;
+        write_animation(args, &opened, &frames, &progress, &mut sum, render)?;
     }
     progress.clear();
-    tell(
-        &opened,
-        &stats_target,
-        &sum,
-        rendering.elapsed(),
-        started,
-        &pool,
-    )
+    opened.report(&stats_target, &sum, rendering.elapsed(), started, &pool)
 }
 
 /// The cameras of the frames.
 struct Frames<'a> {
     args: &'a RenderArgs,
     range: FrameRange,
-    opened: &'a Opened,
-    way: Way<'a>,
+    opened: &'a OpenedScene,
+    motion: CameraMotion<'a>,
 }
 
 /// The camera's motion from frame to frame.
-enum Way<'a> {
+enum CameraMotion<'a> {
     Turntable(u32),
     Path(&'a CameraPath),
 }
 
 impl<'a> Frames<'a> {
-    fn new(args: &'a RenderArgs, range: FrameRange, opened: &'a Opened) -> Result<Self, Failure> {
+    fn new(
+        args: &'a RenderArgs,
+        range: FrameRange,
+        opened: &'a OpenedScene,
+    ) -> Result<Self, Failure> {
         let camera = &args.camera;
-        let way = match (args.animation.turntable, &opened.animation) {
-            (Some(count), _) if range.last < count => Way::Turntable(count),
+        let motion = match (args.animation.turntable, &opened.animation) {
+            (Some(count), _) if range.last < count => CameraMotion::Turntable(count),
             (Some(count), _) => {
                 return Err(Failure::usage(format!(
                     "a turntable of {count} frames has none beyond {}",
@@ -129,7 +127,7 @@ impl<'a> Frames<'a> {
                     "the camera's place is the scene file's [animation]: leave out --eye and --orbit",
                 ));
             }
-            (None, Some(path)) => Way::Path(path),
+            (None, Some(path)) => CameraMotion::Path(path),
             (None, None) => {
                 return Err(Failure::usage(
                     "--frames is of --turntable N, or of a scene file that has an [animation]",
@@ -140,7 +138,7 @@ impl<'a> Frames<'a> {
             args,
             range,
             opened,
-            way,
+            motion,
         })
     }
 
@@ -148,14 +146,14 @@ impl<'a> Frames<'a> {
     fn view(&self, frame: u32) -> Result<View, Failure> {
         let view = &self.opened.view;
         let base = view.camera;
-        let camera = match self.way {
-            Way::Turntable(count) => {
+        let camera = match self.motion {
+            CameraMotion::Turntable(count) => {
                 let placement = CameraPath::turntable(&base.placement(), count, frame);
                 Camera::new(placement, base.projection(), base.plane())
                     .shifted(base.shift())
                     .in_stereo(base.stereo())
             }
-            Way::Path(path) => {
+            CameraMotion::Path(path) => {
                 let key = path.at(frame);
                 let own = self.opened.camera_file;
                 let file = CameraFile {
@@ -182,7 +180,7 @@ impl<'a> Frames<'a> {
 }
 
 /// A rendered frame that is to be written.
-struct Cast {
+struct RenderedFrame {
     output: Output,
     recipe: Recipe,
     rect: Rect,
@@ -197,11 +195,11 @@ fn write_each(
     pool: &rayon::ThreadPool,
     progress: &TerminalProgress,
     sum: &mut TileStats,
-    make: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
+    render: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
 ) -> Result<(), Failure> {
     let is_part = args.tiles.sub_camera.is_some();
-    let write = |cast: Cast| -> Result<(), Failure> {
-        let Cast {
+    let write = |cast: RenderedFrame| -> Result<(), Failure> {
+        let RenderedFrame {
             output,
             recipe,
             rect,
@@ -223,9 +221,9 @@ fn write_each(
     };
     std::thread::scope(|scope| {
         // One frame waits while another is written, so that no more are in memory.
-        let (send, receive) = sync_channel::<Cast>(0);
+        let (send, receive) = sync_channel::<RenderedFrame>(0);
         let writer = scope.spawn(move || receive.into_iter().try_for_each(write));
-        let mut cast_all = || -> Result<(), Failure> {
+        let mut render_all = || -> Result<(), Failure> {
             for frame in frames.range.numbers() {
                 let path = frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
                 let view = frames.view(frame)?;
@@ -234,7 +232,7 @@ fn write_each(
                     Some(cell) => sub_camera_at(view.camera, args.tiles.grid(), cell)?.rect,
                     None => view.camera.whole().rect,
                 };
-                if is_there(&path, format, &recipe, rect, is_part) {
+                if is_complete(&path, format, &recipe, rect, is_part) {
                     progress.done(1);
                     continue;
                 }
@@ -246,7 +244,7 @@ fn write_each(
                 if let Some(banded) = banded {
                     let quiet = TerminalProgress::hidden();
                     banded
-                        .write(&quiet, |rect| make(&view, rect, sum))?
+                        .write(&quiet, |rect| render(&view, rect, sum))?
                         .finish()?;
                     progress.done(1);
                     continue;
@@ -254,8 +252,8 @@ fn write_each(
                 // The frame that is being written, and the next.
                 let memory_for = |columns, rows| 2 * format.memory_for(columns, rows);
                 memory::check_picture(&path, (rect.width, rect.height), memory_for, "")?;
-                let picture = make(&view, rect, sum)?;
-                let cast = Cast {
+                let picture = render(&view, rect, sum)?;
+                let cast = RenderedFrame {
                     output,
                     recipe,
                     rect,
@@ -268,7 +266,7 @@ fn write_each(
             }
             Ok(())
         };
-        let cast = cast_all();
+        let cast = render_all();
         drop(send);
         let written = writer
             .join()
@@ -278,7 +276,7 @@ fn write_each(
 }
 
 /// Whether a frame's file exists, is complete, and has this recipe and rectangle.
-fn is_there(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: bool) -> bool {
+fn is_complete(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: bool) -> bool {
     if !matches!(format, Format::Png | Format::Exr) || !path.is_file() {
         return false;
     }
@@ -312,13 +310,13 @@ fn is_there(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: b
 }
 
 /// Writes all frames to one animated PNG.
-fn write_one(
+fn write_animation(
     args: &RenderArgs,
-    opened: &Opened,
+    opened: &OpenedScene,
     frames: &Frames<'_>,
     progress: &TerminalProgress,
     sum: &mut TileStats,
-    make: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
+    render: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
 ) -> Result<(), Failure> {
     let output = Output::at(&args.output, &[])?;
     let camera = opened.view.camera;
@@ -340,17 +338,17 @@ fn write_one(
             }
             Ok(png.finish()?)
         });
-        let mut cast_all = || -> Result<(), Failure> {
+        let mut render_all = || -> Result<(), Failure> {
             for frame in frames.range.numbers() {
                 let view = frames.view(frame)?;
-                let picture = make(&view, view.camera.whole().rect, sum)?;
+                let picture = render(&view, view.camera.whole().rect, sum)?;
                 if send.send(picture).is_err() {
                     break;
                 }
             }
             Ok(())
         };
-        let cast = cast_all();
+        let cast = render_all();
         drop(send);
         let written = writer
             .join()

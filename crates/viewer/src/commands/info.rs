@@ -85,7 +85,7 @@ impl From<&Scalar> for ScalarInfo {
 }
 
 impl ScalarInfo {
-    fn told(&self) -> String {
+    fn description(&self) -> String {
         let Self { name, at, range } = self;
         match range {
             Some([low, high]) => format!("{name} of {at}, {low} to {high}"),
@@ -300,7 +300,7 @@ fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bo
         line("colors", "at vertices".to_owned());
     }
     for scalar in &object.scalars {
-        line("scalar", scalar.told());
+        line("scalar", scalar.description());
     }
     if !object.materials.is_empty() {
         line("materials", some_of(&object.materials));
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn people_are_told_what_was_dropped_and_why() {
+    fn text_lists_what_was_dropped_and_why() {
         let text = describe(&info());
         assert!(
             text.contains("2, of which 1 dropped (1 with a vertex that is not there)"),
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_are_told_the_same() {
+    fn json_lists_what_was_dropped_and_why() {
         let value = serde_json::to_value([info()]).expect("JSON");
         assert_eq!(value[0]["dropped"]["bad_index"], 1);
         assert_eq!(value[0]["objects"][0]["vertices"], 3);

@@ -7,6 +7,7 @@ mod convert;
 mod deep_zoom;
 mod frames;
 mod info;
+mod opened_scene;
 mod plan;
 mod prepare;
 mod render;
@@ -22,7 +23,7 @@ mod verify;
 use crate::failure::Failure;
 
 use crate::cli::{Cli, Subcommand};
-use crate::output::say;
+use crate::output::print_error;
 use crate::{app::open, output, setup};
 use raycast_core::Accel;
 use raycast_core::formats;
@@ -75,17 +76,17 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.tell(),
+        Err(failure) => failure.report(),
     }
 }
 
 /// Suppresses the messages of panics in libraries that read files: the reader catches them and returns an error,
 /// which is reported in one line.
 fn keep_quiet_about_caught_panics() {
-    let tell = std::panic::take_hook();
+    let report = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         if !formats::panic_is_caught() {
-            tell(panic);
+            report(panic);
         }
     }));
 }
@@ -94,7 +95,7 @@ fn keep_quiet_about_caught_panics() {
 fn view(options: open::Options) -> ExitCode {
     match setup::instruction_set() {
         Ok(_) => open::run(options),
-        Err(failure) => failure.tell(),
+        Err(failure) => failure.report(),
     }
 }
 
@@ -125,5 +126,5 @@ fn warn_of_reading(warnings: &[String], scene: &Scene, accel: &Accel) {
 
 /// Reports a warning on standard error.
 fn warn(text: &str) {
-    say(&format!("warning: {text}"));
+    print_error(&format!("warning: {text}"));
 }

@@ -195,9 +195,14 @@ impl<'a> Plan<'a> {
         words.push(self.verify(&self.picture(first)));
         for words in words {
             let parsed = Cli::try_parse_from(&words).map_err(|error| {
-                let told = error.to_string();
-                let told = told.lines().next().unwrap_or_default().to_owned();
-                Failure::usage(told.strip_prefix("error: ").unwrap_or(&told).to_owned())
+                let message = error.to_string();
+                let message = message.lines().next().unwrap_or_default().to_owned();
+                Failure::usage(
+                    message
+                        .strip_prefix("error: ")
+                        .unwrap_or(&message)
+                        .to_owned(),
+                )
             })?;
             let files = match parsed.command {
                 Some(Subcommand::Render(args)) => args.files.len(),

@@ -1,21 +1,20 @@
 use super::banded::{Banded, Written};
 use super::deep_zoom::{DeepZoom, is_deep_zoom};
+use super::opened_scene::OpenedScene;
 use super::saved_scene::SavedScene;
-use super::sub_cameras::from_outside;
-use super::{Failure, warn, warn_of_reading, workers};
+use super::sub_cameras::outside_view;
+use super::{Failure, warn, workers};
 use crate::cli::{RenderArgs, TileArgs};
+use crate::memory;
 use crate::output::{Output, Unfinished};
 use crate::progress::TerminalProgress;
-use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
-use crate::{memory, setup};
-use raycast_core::camera::{Camera, CameraPath, Grid, ImagePlane, Rect, SubCamera};
-use raycast_core::formats::{CameraFile, SceneFile};
-use raycast_core::math;
+use crate::stats::StatsTarget;
+use raycast_core::camera::{Camera, Grid, Rect, SubCamera};
 use raycast_core::picture::{Format, Fragment, Picture, Recipe};
-use raycast_core::render::{Cancel, Clock, Pass, Settings, TileStats, View, center_first};
+use raycast_core::render::{Cancel, Clock, Pass, TileStats, View, center_first};
 use rayon::ThreadPool;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Renders a picture, or a fragment of one, to a file.
@@ -45,7 +44,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let pool = workers(args.casting.threads)?;
 
     let progress = TerminalProgress::new();
-    let opened = open(args, format, &pool, &progress, &|opened| {
+    let opened = OpenedScene::open(args, format, &pool, &progress, &|opened| {
         output.check_against(opened)?;
         if let Some(scene) = &saved_scene {
             scene.check_against(opened)?;
@@ -58,7 +57,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         None => None,
     };
     let outside = match args.tiles.show_sub_cameras {
-        true => Some(pool.install(|| from_outside(&opened.view, args.tiles.grid()))?),
+        true => Some(pool.install(|| outside_view(&opened.view, args.tiles.grid()))?),
         false => None,
     };
     let view = outside.as_ref().unwrap_or(&opened.view);
@@ -82,10 +81,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         started: Instant::now(),
     };
     if let Some(deep_zoom) = deep_zoom {
-        let (tiles, wall) = rendering.deep_zoom(&deep_zoom)?;
+        let (tiles, wall) = rendering.render_deep_zoom(&deep_zoom)?;
         progress.clear();
         saved_scene.map_or(Ok(()), Unfinished::finish)?;
-        return tell(&opened, &stats_target, &tiles, wall, started, &pool);
+        return opened.report(&stats_target, &tiles, wall, started, &pool);
     }
     let recipe = Recipe::of(view);
     let banded = match (part, args.tiles.unfinished) {
@@ -93,17 +92,17 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         _ => None,
     };
     let (file, tiles, wall) = match banded {
-        Some(banded) => rendering.by_bands(banded)?,
+        Some(banded) => rendering.render_bands(banded)?,
         None => {
             rendering.check_memory(format, part)?;
             match part {
-                Some(part) => rendering.fragment(format, recipe, part)?,
-                None => rendering.in_one_piece(format, &recipe)?,
+                Some(part) => rendering.render_fragment(format, recipe, part)?,
+                None => rendering.render_in_memory(format, &recipe)?,
             }
         }
     };
     progress.clear();
-    tell(&opened, &stats_target, &tiles, wall, started, &pool)?;
+    opened.report(&stats_target, &tiles, wall, started, &pool)?;
     file.finish()?;
     saved_scene.map_or(Ok(()), Unfinished::finish)
 }
@@ -170,7 +169,7 @@ impl Rendering<'_> {
     }
 
     /// Renders a rectangle of the picture; adds its statistics to `sum`.
-    fn rect(&self, rect: Rect, sum: &mut TileStats) -> Result<Picture, Failure> {
+    fn render_rows(&self, rect: Rect, sum: &mut TileStats) -> Result<Picture, Failure> {
         let part = self.view.camera.sub_camera(rect);
         let clock = || self.started.elapsed();
         let (picture, tiles) = render_rect(self.view, part, self.grid, &clock, &|_| {})?;
@@ -178,22 +177,23 @@ impl Rendering<'_> {
         Ok(picture)
     }
 
-    fn deep_zoom(&self, deep_zoom: &DeepZoom) -> Result<(TileStats, Duration), Failure> {
+    fn render_deep_zoom(&self, deep_zoom: &DeepZoom) -> Result<(TileStats, Duration), Failure> {
         let mut sum = TileStats::default();
         let size = self.size(None);
-        self.pool
-            .install(|| deep_zoom.write(size, self.progress, |rect| self.rect(rect, &mut sum)))?;
+        self.pool.install(|| {
+            deep_zoom.write(size, self.progress, |rect| self.render_rows(rect, &mut sum))
+        })?;
         Ok((sum, self.started.elapsed()))
     }
 
-    fn by_bands(&self, banded: Banded) -> Result<Rendered, Failure> {
+    fn render_bands(&self, banded: Banded) -> Result<Rendered, Failure> {
         let mut sum = TileStats::default();
-        let write = || banded.write(self.progress, |rect| self.rect(rect, &mut sum));
+        let write = || banded.write(self.progress, |rect| self.render_rows(rect, &mut sum));
         let file = self.pool.install(write)?;
         Ok((file, sum, self.started.elapsed()))
     }
 
-    fn fragment(
+    fn render_fragment(
         &self,
         format: Format,
         recipe: Recipe,
@@ -212,7 +212,7 @@ impl Rendering<'_> {
         Ok((Written::whole(file), tiles, wall))
     }
 
-    fn in_one_piece(&self, format: Format, recipe: &Recipe) -> Result<Rendered, Failure> {
+    fn render_in_memory(&self, format: Format, recipe: &Recipe) -> Result<Rendered, Failure> {
         let clock = || self.started.elapsed();
         let unfinished = self.args.tiles.unfinished;
         let (picture, tiles) = self.pool.install(|| match unfinished {
@@ -225,149 +225,6 @@ impl Rendering<'_> {
         let bytes = picture.encode_with(format, recipe)?;
         Ok((Written::whole(self.output.write(&bytes)?), tiles, wall))
     }
-}
-
-/// An opened scene, with its camera and settings.
-pub(super) struct Opened {
-    pub(super) view: View,
-    /// The scene file's camera.
-    pub(super) camera_file: Option<CameraFile>,
-    /// The scene file's keyframes.
-    pub(super) animation: Option<CameraPath>,
-    /// Every file that was opened.
-    pub(super) opened: Vec<PathBuf>,
-    warnings: Vec<String>,
-    load_time: Duration,
-    build_time: Duration,
-}
-
-/// A warning that a lens shows nothing in the picture's corners, which is how a mistyped coefficient looks.
-fn lens_ends_within(camera: &Camera) -> Option<String> {
-    let lens = camera.projection().lens()?;
-    let ImagePlane { columns, rows, .. } = camera.plane();
-    let [right, bottom] = [columns, rows].map(|count| f64::from(count) - 0.5);
-    let mut corners = [(0.5, 0.5), (right, 0.5), (0.5, bottom), (right, bottom)].into_iter();
-    let is_whole = corners.all(|(x, y)| camera.has_place(x, y));
-    (!is_whole).then(|| {
-        format!(
-            "the lens ends {:.1} degrees off the view axis: pixels beyond that, in the corners at least, are empty",
-            math::atan(lens.end()).to_degrees()
-        )
-    })
-}
-
-/// Reads files and builds the tree. Before building, `check` is called to check the outputs against the opened files.
-pub(super) fn open(
-    args: &RenderArgs,
-    format: Format,
-    pool: &ThreadPool,
-    progress: &TerminalProgress,
-    check: &dyn Fn(&[PathBuf]) -> Result<(), Failure>,
-) -> Result<Opened, Failure> {
-    progress.loading();
-    let loading = Instant::now();
-    let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
-    setup::paint(&mut file.scene, &args.shading, &args.reading)?;
-    check(&file.opened)?;
-    let load_time = loading.elapsed();
-    let settings = Settings {
-        shading: setup::shading(&args.shading, file.shading),
-        cull: (args.casting.cull).or(file.image.cull).unwrap_or_default(),
-        clip: args.casting.clip.planes(file.clip)?,
-        precision: (args.casting.precision)
-            .or(file.image.precision)
-            .unwrap_or_default(),
-        samples: args.samples.or(file.image.samples).unwrap_or(1).max(1),
-        pixel_filter: (args.pixel_filter)
-            .or(file.image.pixel_filter)
-            .unwrap_or_default(),
-        layers: format == Format::Exr,
-    };
-
-    progress.building();
-    let building = Instant::now();
-    let SceneFile {
-        scene,
-        mut warnings,
-        camera: camera_file,
-        animation,
-        image,
-        opened,
-        ..
-    } = file;
-    let name = setup::name_of(&args.files);
-    let levels = match settings.shading.filter.has_footprint() {
-        true => scene.level_bytes(),
-        false => 0,
-    };
-    let normals = match settings.shading.is_creased() {
-        true => scene.crease_bytes(),
-        false => 0,
-    };
-    memory::check_scene(&name, setup::stored_triangles(&scene), levels + normals)?;
-    let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
-    let build_time = building.elapsed();
-    let bounds = setup::bounds(&scene, &accel);
-    let camera = setup::camera(&args.camera, camera_file.as_ref(), image, &bounds)
-        .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
-    let lines = settings.shading.wireframe;
-    if let Some(lines) = lines.and_then(|lines| lines.left_out(camera.projection())) {
-        let seen = match camera.projection().lens() {
-            Some(_) => "a picture through a lens",
-            None => "a panorama",
-        };
-        warnings.push(format!("{lines} are not drawn: {seen} has none"));
-    }
-    warnings.extend(lens_ends_within(&camera));
-    Ok(Opened {
-        view: View {
-            scene: Arc::new(scene),
-            accel: Arc::new(accel),
-            camera,
-            settings,
-        },
-        camera_file,
-        animation,
-        opened,
-        warnings,
-        load_time,
-        build_time,
-    })
-}
-
-/// Reports what reading left out, and writes the statistics.
-pub(super) fn tell(
-    opened: &Opened,
-    target: &StatsTarget,
-    tiles: &TileStats,
-    wall: Duration,
-    started: Instant,
-    pool: &ThreadPool,
-) -> Result<(), Failure> {
-    let view = &opened.view;
-    warn_of_reading(&opened.warnings, &view.scene, &view.accel);
-    let shares = Shares::new(wall, tiles);
-    target.write(&Stats {
-        triangles: view.scene.triangle_count() as u64,
-        dropped: setup::dropped(&view.scene, &view.accel).total().into(),
-        load_ms: milliseconds(opened.load_time),
-        build_ms: milliseconds(opened.build_time),
-        cast_ms: milliseconds(shares.cast),
-        shade_ms: milliseconds(shares.shade),
-        total_ms: milliseconds(started.elapsed()),
-        rays: tiles.rays,
-        hits: tiles.counts.hits,
-        invalid_rays: 0,
-        nodes: tiles.counts.nodes,
-        triangles_set_up: tiles.counts.triangles,
-        double_rays: tiles.counts.double_rays,
-        exact_rays: tiles.counts.exact_rays,
-        mrays_per_s: stats::mrays_per_s(tiles.rays, shares.cast),
-        threads: pool.current_num_threads(),
-        simd: view.accel.simd().name(),
-        instances: view.accel.has_instances(),
-        peak_bytes: stats::peak_bytes(),
-    })
 }
 
 /// Checks the options of a fragment.
@@ -487,29 +344,6 @@ fn render_part(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_lens_that_ends_within_the_picture_is_told() {
-        use raycast_core::camera::{BrownConrady, Placement, Projection};
-        use raycast_core::glam::DVec3;
-        let placement = Placement::towards(DVec3::Z, DVec3::ZERO);
-        let told = |k1: f64| {
-            let lens = BrownConrady::new([k1, 0.0, 0.0, 0.0, 0.0]).expect("a lens");
-            let plane = ImagePlane::new(64, 48, 0.83 / 48.0).expect("a plane");
-            let camera = Camera::new(placement, Projection::through(lens), plane);
-            lens_ends_within(&camera)
-        };
-        // The end of -10 is where 1 − 30 r² is zero: at atan(0.1826).
-        let told_of_ten = told(-10.0).expect("a warning");
-        assert!(
-            told_of_ten.contains("ends 10.3 degrees off"),
-            "{told_of_ten}"
-        );
-        assert_eq!(told(-0.2), None);
-        let plane = ImagePlane::new(64, 48, 0.83 / 48.0).expect("a plane");
-        let pinhole = Camera::new(placement, Projection::Perspective, plane);
-        assert_eq!(lens_ends_within(&pinhole), None);
-    }
 
     #[test]
     fn fragments_need_a_grid_and_a_file_that_holds_their_place() {

@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 /// The most tasks of a job array: Slurm's default limit (`MaxArraySize`, 1001). Each task runs every n-th line.
-const MOST_TASKS: usize = 1000;
+const MAX_TASKS: usize = 1000;
 
 /// The script that submits the plan to Slurm: an array, and another one that waits for it.
 pub(super) fn slurm(plan: &Path, jobs: usize, stitching: usize) -> Result<String, Failure> {
@@ -22,7 +22,7 @@ pub(super) fn slurm(plan: &Path, jobs: usize, stitching: usize) -> Result<String
         );
         Ok::<_, Failure>(format!("#!/bin/sh\n{}", run_lines(&pick)))
     };
-    let (tasks, last) = (jobs.clamp(1, MOST_TASKS), stitching.min(MOST_TASKS));
+    let (tasks, last) = (jobs.clamp(1, MAX_TASKS), stitching.min(MAX_TASKS));
     let log = quoted(".%A-%a.log")?;
     let mut text = format!(
         "#!/bin/sh\n\

@@ -9,10 +9,10 @@ use raycast_core::scene::{Bounds, ColorRule, Mesh, MeshData, Object, Scene};
 use std::sync::Arc;
 
 /// The most sub-cameras that are drawn; with more a picture would be unreadable.
-const MOST: usize = 4096;
+const MAX_SUB_CAMERAS: usize = 4096;
 
 /// By how much a frustum is drawn narrower than it is, on each side, to separate neighbours.
-const SHRUNK: f64 = 0.01;
+const SHRINK: f64 = 0.01;
 
 /// Half the width of an edge, relative to the extent of the view.
 const EDGE: f64 = 0.0012;
@@ -25,7 +25,7 @@ const ASIDE: (f64, f64) = (62.0, 24.0);
 ///
 /// # Errors
 /// More sub-cameras than can be drawn; a panorama, or a picture for two eyes; a scene that cannot be put together.
-pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
+pub(super) fn outside_view(view: &View, grid: Grid) -> Result<View, Failure> {
     let camera = view.camera;
     if camera.projection().panorama().is_some() {
         return Err(Failure::usage(format!(
@@ -40,7 +40,7 @@ pub(super) fn from_outside(view: &View, grid: Grid) -> Result<View, Failure> {
     }
     let plane = camera.plane();
     let (across, down) = grid.counts(plane.columns, plane.rows);
-    if across as usize * down as usize > MOST {
+    if across as usize * down as usize > MAX_SUB_CAMERAS {
         return Err(Failure::usage(format!(
             "{across}x{down} sub-cameras cannot be told apart: ask for fewer with --tiles or --tile-size"
         )));
@@ -97,8 +97,8 @@ fn edges(camera: &Camera, tile: Rect) -> [(DVec3, DVec3); 4] {
     let forward = placement.target - placement.eye;
     let (width, height) = (f64::from(tile.width), f64::from(tile.height));
     [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y): (f64, f64)| {
-        let x = f64::from(tile.x) + width * x.clamp(SHRUNK, 1.0 - SHRUNK);
-        let y = f64::from(tile.y) + height * y.clamp(SHRUNK, 1.0 - SHRUNK);
+        let x = f64::from(tile.x) + width * x.clamp(SHRINK, 1.0 - SHRINK);
+        let y = f64::from(tile.y) + height * y.clamp(SHRINK, 1.0 - SHRINK);
         let ray = camera.ray(x, y);
         // A camera's ray is never parallel to the plane of the target.
         let t = (placement.target - ray.origin).dot(forward) / ray.direction.dot(forward);
@@ -149,7 +149,7 @@ mod tests {
                 height: 2,
             };
             let [(from, to), (_, right), ..] = edges(&camera, tile);
-            let shrunk = 4.0 * 0.5 * SHRUNK;
+            let shrunk = 4.0 * 0.5 * SHRINK;
             assert!(
                 to.distance(DVec3::new(shrunk, 1.0 - shrunk / 2.0, 0.0)) < 1e-12,
                 "{to}"

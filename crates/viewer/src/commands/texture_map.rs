@@ -14,7 +14,7 @@ use std::path::Path;
 const EDGES: Color = Color([0x00, 0xd8, 0xff]);
 
 /// The colour of the selected triangle, and its opacity.
-const PICKED: (Color, f32) = (Color([0xff, 0x30, 0x60]), 0.45);
+const SELECTED: (Color, f32) = (Color([0xff, 0x30, 0x60]), 0.45);
 
 /// The colour of the crop's border.
 const CROP: Color = Color([0xff, 0x30, 0x60]);
@@ -107,7 +107,7 @@ fn draw_files(args: &TextureMapArgs, output: &Output, map: &mut TextureMap) -> R
         let corners = corners(*object, number).ok_or_else(|| {
             Failure::could_not(format!("triangle {number} has no place in the texture"))
         })?;
-        let (color, opacity) = PICKED;
+        let (color, opacity) = SELECTED;
         map.fill_triangle(corners, color, opacity);
         map.draw_triangle(corners, color, width);
         return Ok(());

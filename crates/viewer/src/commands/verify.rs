@@ -3,7 +3,7 @@ mod settings;
 mod summary;
 
 use self::image::{Image, WHOLE, cannot_read, read};
-use self::settings::{PictureSettings, Requested};
+use self::settings::{PictureSettings, Request};
 use self::summary::summary;
 use super::render::render_rect;
 use super::{Failure, warn_of_reading, workers};
@@ -37,7 +37,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     // The filter is known from the recipe, once there is a tree.
     memory::check_scene(&name, scene.triangle_count(), scene.level_bytes())?;
     let mut stage = pool.install(|| stage(&name, scene))?;
-    let requested = Requested {
+    let request = Request {
         args,
         file: &file,
         name: &name,
@@ -45,9 +45,9 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     let settings = match (path, &image) {
         (Some(path), Some(image)) => {
-            requested.settings_of(path, image.full_size(), image.recipe())?
+            request.settings_for(path, image.full_size(), image.recipe())?
         }
-        _ => requested.settings(None, None)?,
+        _ => request.settings(None, None)?,
     };
     stage = stage.clipped(settings.clip);
     let rect = match &image {
@@ -77,7 +77,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         pool: &pool,
         progress: &progress,
     };
-    let found = checking.by_bands(rect, rows, image)?;
+    let found = checking.check_bands(rect, rows, image)?;
     progress.clear();
 
     warn_of_reading(&file.warnings, &stage.scene, &stage.accel);
@@ -103,7 +103,7 @@ struct Checking<'a> {
 
 impl Checking<'_> {
     /// Checks a part of the picture, some rows at a time; without an image the rows are rendered.
-    fn by_bands(
+    fn check_bands(
         &self,
         rect: Rect,
         rows: u32,

@@ -78,10 +78,10 @@ mod tests {
         fs::remove_file(new.join(".raycast-1-0.part")).expect("it was left alone");
 
         fs::write(new.join("thesis.md"), b"years of work").expect("written");
-        let told = Folder::at(&new, false)
+        let message = Folder::at(&new, false)
             .expect_err("not a report's")
             .to_string();
-        assert!(told.contains("--force"), "{told}");
+        assert!(message.contains("--force"), "{message}");
         assert!(Folder::at(&new, true).is_ok());
 
         let marker = folder.file(Folder::MARKER, &[]).expect("a place");

@@ -7,17 +7,17 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A folder being written under a temporary name: removed when dropped, unless [`FolderUnderWay::put`] renames it. Its
+/// A folder being written under a temporary name: removed when dropped, unless [`PartFolder::put`] renames it. Its
 /// files are not synced to the disk one by one.
 #[derive(Debug)]
-pub struct FolderUnderWay {
+pub struct PartFolder {
     path: PathBuf,
     place: PathBuf,
     /// Held locked, so that nobody takes the folder for abandoned.
     lock: Option<File>,
 }
 
-impl FolderUnderWay {
+impl PartFolder {
     /// A new, empty folder that is to be put at `place`, where nothing is.
     ///
     /// # Errors
@@ -59,7 +59,7 @@ impl FolderUnderWay {
     }
 }
 
-impl Drop for FolderUnderWay {
+impl Drop for PartFolder {
     fn drop(&mut self) {
         if self.lock.is_some() {
             let mut paths = unfinished();
@@ -80,17 +80,17 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let place = folder.path().join("tiles");
         let count = || fs::read_dir(folder.path()).map_or(0, Iterator::count);
-        let made = FolderUnderWay::create(&place).expect("a folder");
+        let made = PartFolder::create(&place).expect("a folder");
         fs::write(made.path().join("a"), b"1").expect("written");
         sweep(folder.path());
         assert!(count() == 1 && !place.exists());
         drop(made);
         assert_eq!(count(), 0);
-        let made = FolderUnderWay::create(&place).expect("a folder");
+        let made = PartFolder::create(&place).expect("a folder");
         fs::write(made.path().join("a"), b"1").expect("written");
         made.put().expect("put");
         assert_eq!(fs::read_dir(&place).map_or(0, Iterator::count), 1);
-        assert!(FolderUnderWay::create(&place).is_err());
+        assert!(PartFolder::create(&place).is_err());
         // Of a process that is gone.
         let abandoned = folder.path().join(part_name(1, 0));
         fs::create_dir(&abandoned).expect("a folder");

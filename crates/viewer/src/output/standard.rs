@@ -31,14 +31,14 @@ pub fn written(outcome: io::Result<()>) -> Result<(), Failure> {
 }
 
 /// Writes a line to standard error, after the program's name. A failure to do so is ignored.
-pub fn say(text: &str) {
+pub fn print_error(text: &str) {
     let _ = writeln!(io::stderr().lock(), "raycast: {text}");
 }
 
 impl Failure {
     /// Writes the failure to standard error; returns the exit status.
-    pub fn tell(&self) -> ExitCode {
-        say(&self.to_string());
+    pub fn report(&self) -> ExitCode {
+        print_error(&self.to_string());
         self.exit_code()
     }
 }

@@ -138,7 +138,7 @@ impl Output {
                 permissions: replaced.map(|replaced| replaced.permissions()),
             }
         };
-        Ok(self.under_way(sink))
+        Ok(self.part_output(sink))
     }
 
     /// Starts a part file with a `head` and a journal, or resumes those of an earlier command for the file of this
@@ -170,10 +170,10 @@ impl Output {
             part,
             permissions: replaced.map(|replaced| replaced.permissions()),
         };
-        Ok((self.under_way(sink), journal))
+        Ok((self.part_output(sink), journal))
     }
 
-    fn under_way(&self, sink: Sink) -> Unfinished {
+    fn part_output(&self, sink: Sink) -> Unfinished {
         Unfinished {
             sink,
             name: self.name.clone(),

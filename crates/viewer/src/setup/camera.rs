@@ -217,8 +217,8 @@ fn placement(
         }
     };
     let file = file.map(|file| file.placement);
-    if let Some(asked) = args.orbit {
-        orbit(asked.yaw, asked.pitch, asked.distance)
+    if let Some(orbit_arg) = args.orbit {
+        orbit(orbit_arg.yaw, orbit_arg.pitch, orbit_arg.distance)
     } else if let Some(eye) = args.eye.or(file.map(|file| file.eye)) {
         let target = args
             .target

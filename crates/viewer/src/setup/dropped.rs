@@ -27,12 +27,12 @@ pub fn reasons(dropped: &Dropped) -> String {
         (dropped.too_far, "too far away"),
         (dropped.bad_index, "with a vertex that is not there"),
     ];
-    let told: Vec<_> = counts
+    let reasons: Vec<_> = counts
         .iter()
         .filter(|(count, _)| *count > 0)
         .map(|(count, reason)| format!("{count} {reason}"))
         .collect();
-    told.join(", ")
+    reasons.join(", ")
 }
 
 #[cfg(test)]
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reasons_are_told_where_there_are_any() {
+    fn reasons_are_listed_where_there_are_any() {
         let dropped = Dropped {
             zero_area: 3,
             not_finite: 1,

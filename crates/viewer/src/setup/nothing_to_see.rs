@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn says_how_many_were_dropped_and_why() {
-        let told = |triangles, zero_area, not_finite| {
+        let message = |triangles, zero_area, not_finite| {
             let name = "a.obj".to_owned();
             let dropped = Dropped {
                 zero_area,
@@ -61,10 +61,10 @@ mod tests {
             .to_string()
         };
         assert_eq!(
-            told(3, 2, 1),
+            message(3, 2, 1),
             "a.obj: there is nothing to see: all of its 3 triangles were dropped: 2 without area, 1 not finite"
         );
-        assert!(told(1, 1, 0).ends_with("its one triangle was dropped: 1 without area"));
-        assert!(told(0, 0, 0).ends_with("it holds no triangle"));
+        assert!(message(1, 1, 0).ends_with("its one triangle was dropped: 1 without area"));
+        assert!(message(0, 0, 0).ends_with("it holds no triangle"));
     }
 }

@@ -57,23 +57,23 @@ struct ModeFigures {
     threads: usize,
     /// The bandwidth of one thread that writes to memory outside the caches, in 10⁹ bytes a second.
     written_gb_per_s: f64,
-    modes: Vec<OfMode>,
+    modes: Vec<ModeMeasurement>,
 }
 
 /// The measurements of a kind of picture.
 #[derive(Debug, Serialize)]
-struct OfMode {
+struct ModeMeasurement {
     mode: &'static str,
     /// The geometric mean over the views of frame time divided by cast time.
     frame_beside_cast: f64,
     /// The time that writing a picture's bytes takes at that bandwidth.
     written_ms: f64,
-    views: Vec<OfView>,
+    views: Vec<ViewMeasurement>,
 }
 
 /// The measurements of a kind of picture in a view: the least times.
 #[derive(Debug, Serialize)]
-struct OfView {
+struct ViewMeasurement {
     file: String,
     view: &'static str,
     cast_ms: f64,
@@ -83,22 +83,22 @@ struct OfView {
 
 /// Measures all modes and prints the figures.
 pub(super) fn run(args: &BenchArgs, pool: &ThreadPool) -> Result<(), Failure> {
-    let mut modes: Vec<Vec<OfView>> = PICTURES.iter().map(|_| Vec::new()).collect();
+    let mut modes: Vec<Vec<ViewMeasurement>> = PICTURES.iter().map(|_| Vec::new()).collect();
     let mut measure = |name: String, scene: Scene, cameras| -> Result<(), Failure> {
         memory::check_tree(&name, setup::stored_triangles(&scene))?;
         let accel = Arc::new(pool.install(|| setup::tree(&scene))?);
         let textured = Arc::new(textured(&scene));
         let scenes = [Arc::new(scene), textured];
         for (view, camera) in cameras {
-            let found = pool.install(|| of_view(args, (&scenes, &accel), camera))?;
+            let found = pool.install(|| measure_view(args, (&scenes, &accel), camera))?;
             let (cast, frames) = found;
             for (mode, frame) in modes.iter_mut().zip(frames) {
-                mode.push(OfView {
+                mode.push(ViewMeasurement {
                     file: name.clone(),
                     view,
                     cast_ms: milliseconds(cast),
                     frame_ms: milliseconds(frame),
-                    frame_beside_cast: beside(frame, cast),
+                    frame_beside_cast: ratio(frame, cast),
                 });
             }
         }
@@ -133,7 +133,7 @@ pub(super) fn run(args: &BenchArgs, pool: &ThreadPool) -> Result<(), Failure> {
             Extra::Channels => BYTES + CHANNEL_BYTES,
             _ => BYTES,
         };
-        OfMode {
+        ModeMeasurement {
             mode,
             frame_beside_cast: roots.product(),
             written_ms: pixels * bytes as f64 / per_second * 1e3,
@@ -154,7 +154,7 @@ const BYTES: usize = 4;
 const CHANNEL_BYTES: usize = 16 + 4 + 4 + 4 + 12 + 8;
 
 /// The least times of a view's visibility and of all its pictures, measured in turns after one that warms up.
-fn of_view(
+fn measure_view(
     args: &BenchArgs,
     (scenes, accel): (&[Arc<Scene>; 2], &Arc<Accel>),
     camera: Camera,
@@ -227,11 +227,11 @@ fn textured(scene: &Scene) -> Scene {
 }
 
 /// More bytes than caches hold, so that memory's bandwidth is measured and not theirs.
-const UNCACHED: usize = 1 << 28;
+const UNCACHED_BYTES: usize = 1 << 28;
 
 /// The bytes a second that one thread writes to memory.
 fn written_per_second() -> f64 {
-    let mut memory = vec![0u8; UNCACHED];
+    let mut memory = vec![0u8; UNCACHED_BYTES];
     let mut least = Duration::MAX;
     for turn in 0..5 {
         let started = Instant::now();
@@ -239,9 +239,9 @@ fn written_per_second() -> f64 {
         least = least.min(started.elapsed());
     }
     std::hint::black_box(&memory);
-    UNCACHED as f64 / least.as_secs_f64()
+    UNCACHED_BYTES as f64 / least.as_secs_f64()
 }
 
-fn beside(one: Duration, other: Duration) -> f64 {
+fn ratio(one: Duration, other: Duration) -> f64 {
     one.as_secs_f64() / other.as_secs_f64()
 }

@@ -24,7 +24,7 @@ pub(super) struct PictureSettings {
 }
 
 /// The requested settings, and the files that they apply to.
-pub(super) struct Requested<'a> {
+pub(super) struct Request<'a> {
     pub(super) args: &'a VerifyArgs,
     /// The files' settings; their scene is on the stage.
     pub(super) file: &'a SceneFile,
@@ -32,10 +32,10 @@ pub(super) struct Requested<'a> {
     pub(super) stage: &'a Stage,
 }
 
-impl Requested<'_> {
+impl Request<'_> {
     /// The settings of an image: its recipe's, which must agree with the request; without a recipe, the requested
     /// ones.
-    pub(super) fn settings_of(
+    pub(super) fn settings_for(
         &self,
         path: &Path,
         size: (u32, u32),

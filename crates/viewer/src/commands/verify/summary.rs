@@ -66,30 +66,30 @@ pub(super) fn summary(found: &Verification) -> String {
             shown,
             truth,
         } = pixel;
-        let met = truth.map_or_else(
+        let expected = truth.map_or_else(
             || "nothing".to_owned(),
-            |truth| meeting(truth.object, truth.triangle, truth.t),
+            |truth| describe_hit(truth.object, truth.triangle, truth.t),
         );
         let _ = match (shown, fault) {
             (Some((object, triangle, depth)), fault)
                 if !matches!(fault, WrongAnswer::Channel { .. }) =>
             {
-                let found = meeting(*object, *triangle, f64::from(*depth));
+                let found = describe_hit(*object, *triangle, f64::from(*depth));
                 writeln!(
                     text,
-                    "  column {x}, row {y}: {fault}: expected {met}, found {found}"
+                    "  column {x}, row {y}: {fault}: expected {expected}, found {found}"
                 )
             }
             _ => writeln!(
                 text,
-                "  column {x}, row {y}: {fault}, where its ray meets {met}"
+                "  column {x}, row {y}: {fault}, where its ray meets {expected}"
             ),
         };
     }
     text
 }
 
-fn meeting(object: u32, triangle: u32, depth: f64) -> String {
+fn describe_hit(object: u32, triangle: u32, depth: f64) -> String {
     if (object, triangle) == (u32::MAX, u32::MAX) {
         "nothing".to_owned()
     } else {
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_found_is_told_in_words() {
+    fn a_summary_gives_counts_and_wrong_pixels() {
         let good = Verification {
             pixels: 100,
             checked: 20,

@@ -1,11 +1,10 @@
 //! Writing views and cameras as options of `raycast render`, and reading cameras back.
 
+use super::camera_values::{self, PROJECTIONS, STEREO, StereoArg};
 use super::clip;
+use super::shading_values::{COLOR_MAPS, FILTERS, LIGHTS, MODES, TEXTURE_PROJECTIONS};
 use super::shell::quoted;
-use super::values::{
-    self, COLOR_MAPS, CULLS, FILTERS, LIGHTS, MODES, Names, PIXEL_FILTERS, PRECISIONS, PROJECTIONS,
-    STEREO, StereoArg, TEXTURE_PROJECTIONS,
-};
+use super::values::{self, CULLS, Names, PIXEL_FILTERS, PRECISIONS};
 use raycast_core::camera::{Placement, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
@@ -47,7 +46,7 @@ pub fn render_command(
     option("--shift", format!("{right},{up}"));
     option(
         "--stereo",
-        word(STEREO, StereoArg(camera.stereo().map(|stereo| stereo.kind))),
+        name_of(STEREO, StereoArg(camera.stereo().map(|stereo| stereo.kind))),
     );
     if let Some(stereo) = camera.stereo() {
         option("--eye-distance", stereo.eye_distance.to_string());
@@ -59,7 +58,7 @@ pub fn render_command(
     option("--target", point(placement.target));
     option("--up", point(placement.up));
     let shading = &settings.shading;
-    option("--mode", word(MODES, shading.mode));
+    option("--mode", name_of(MODES, shading.mode));
     option(
         "--background",
         match shading.background {
@@ -68,24 +67,27 @@ pub fn render_command(
         },
     );
     option("--blend", shading.blend.to_string());
-    option("--filter", word(FILTERS, shading.filter));
+    option("--filter", name_of(FILTERS, shading.filter));
     option("--crease", shading.crease.to_string());
-    option("--lights", word(LIGHTS, shading.lights));
+    option("--lights", name_of(LIGHTS, shading.lights));
     option("--plain-color", shading.plain_color.to_string());
     if !has_own_projection(&view.scene) {
-        let projection = word(TEXTURE_PROJECTIONS, shading.projection);
+        let projection = name_of(TEXTURE_PROJECTIONS, shading.projection);
         option("--texture-projection", projection);
     }
     if let Some(scale) = shading.scale {
-        option("--color-map", word(COLOR_MAPS, scale.map));
+        option("--color-map", name_of(COLOR_MAPS, scale.map));
         if let Some([low, high]) = scale.range {
             option("--color-range", format!("{low},{high}"));
         }
     }
     option("--samples", settings.samples.max(1).to_string());
-    option("--pixel-filter", word(PIXEL_FILTERS, settings.pixel_filter));
-    option("--cull", word(CULLS, settings.cull));
-    option("--precision", word(PRECISIONS, settings.precision));
+    option(
+        "--pixel-filter",
+        name_of(PIXEL_FILTERS, settings.pixel_filter),
+    );
+    option("--cull", name_of(CULLS, settings.cull));
+    option("--precision", name_of(PRECISIONS, settings.precision));
     let planes = clip::words(&settings.clip);
     if planes.is_empty() {
         // A scene file may have some.
@@ -157,11 +159,11 @@ pub fn camera_options(camera: &CameraFile) -> String {
 /// is invalid. Defaults: the up direction of [`Placement::towards`], perspective, the projection's field of view.
 pub fn camera_of(text: &str) -> Option<CameraFile> {
     let words: Vec<&str> = text.split_whitespace().collect();
-    let told = |name: &str| {
+    let option = |name: &str| {
         let at = words.iter().position(|word| *word == name)?;
         words.get(at + 1).copied()
     };
-    let read = |name: &str| told(name).map(values::point).transpose().ok();
+    let read = |name: &str| option(name).map(values::point).transpose().ok();
     let (eye, target) = (read("--eye")??, read("--target")??);
     let towards = Placement::towards(eye, target);
     let placement = Placement {
@@ -169,20 +171,20 @@ pub fn camera_of(text: &str) -> Option<CameraFile> {
         ..towards
     };
     placement.check().ok()?;
-    let projection = match told("--projection") {
+    let projection = match option("--projection") {
         Some(name) => PROJECTIONS.iter().find(|(known, _)| *known == name)?.1,
         None => Projection::Perspective,
     };
-    let projection = match told("--lens") {
+    let projection = match option("--lens") {
         Some(lens) if projection == Projection::Perspective => {
-            Projection::through(values::lens(lens).ok()?)
+            Projection::through(camera_values::lens(lens).ok()?)
         }
         _ => projection,
     };
     let distance = eye.distance(target);
-    let fov = told("--fov").map(values::fov).transpose().ok()?;
-    let rows = told("--size").map(values::size).transpose().ok()?;
-    let step = told("--step").map(values::step).transpose().ok()?;
+    let fov = option("--fov").map(camera_values::fov).transpose().ok()?;
+    let rows = option("--size").map(values::size).transpose().ok()?;
+    let step = option("--step").map(camera_values::step).transpose().ok()?;
     let fov = fov.map(|fov| projection.check_fov(fov)).transpose().ok()?;
     let frame = match (fov, step.zip(rows)) {
         (Some(fov), _) => projection.frame(fov, distance),
@@ -222,7 +224,7 @@ fn reading(limits: &Limits) -> Vec<String> {
     words
 }
 
-fn word<T: PartialEq>(names: Names<T>, value: T) -> String {
+fn name_of<T: PartialEq>(names: Names<T>, value: T) -> String {
     let name = names.iter().find(|(_, named)| *named == value);
     name.map_or_else(String::new, |(name, _)| (*name).to_owned())
 }
@@ -270,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn options_of_reading_are_told_where_they_differ() {
+    fn options_of_reading_are_written_where_they_differ() {
         assert!(reading(&Limits::default()).is_empty());
         let limits = Limits {
             pixels: 5,
