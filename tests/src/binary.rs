@@ -87,9 +87,9 @@ where
     S: AsRef<std::ffi::OsStr>,
 {
     let mut command = command(arguments);
-    let told = run(&mut command);
-    assert_eq!(told.status, Some(0), "{command:?}: {}", told.errors);
-    told
+    let message = run(&mut command);
+    assert_eq!(message.status, Some(0), "{command:?}: {}", message.errors);
+    message
 }
 
 /// Runs the program, which must refuse with this exit status and one line on standard error, and
@@ -100,13 +100,21 @@ where
     S: AsRef<std::ffi::OsStr>,
 {
     let mut command = command(arguments);
-    let told = run(&mut command);
-    assert_eq!(told.status, Some(status), "{command:?}: {}", told.errors);
-    let lines: Vec<&str> = told.errors.lines().collect();
+    let message = run(&mut command);
+    assert_eq!(
+        message.status,
+        Some(status),
+        "{command:?}: {}",
+        message.errors
+    );
+    let lines: Vec<&str> = message.errors.lines().collect();
     assert!(
         lines.len() == 1 && lines[0].len() > 20,
         "{command:?}: not one clear line: {lines:#?}"
     );
-    assert!(told.output.is_empty(), "{command:?}: something on output");
+    assert!(
+        message.output.is_empty(),
+        "{command:?}: something on output"
+    );
     lines[0].to_owned()
 }

@@ -18,6 +18,15 @@ pub fn asset(name: &str) -> PathBuf {
     path
 }
 
+/// A folder with copies of some of the demo's files.
+pub fn folder_with(names: &[&str]) -> TempDir {
+    let folder = folder();
+    for name in names {
+        std::fs::copy(asset(name), folder.path().join(name)).expect("the folder can be written");
+    }
+    folder
+}
+
 /// What a file holds.
 pub fn bytes(path: &Path) -> Vec<u8> {
     std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

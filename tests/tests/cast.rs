@@ -138,7 +138,7 @@ fn rays_that_are_no_rays_are_counted_misses() {
     endless[7] = f32::INFINITY;
     rays.extend([still, endless]);
     write_rays(&rays_path, &rays);
-    let told = succeed(arguments![
+    let message = succeed(arguments![
         "cast",
         asset("cube.obj"),
         "--rays",
@@ -146,7 +146,7 @@ fn rays_that_are_no_rays_are_counted_misses() {
         "--hits",
         &hits_path
     ]);
-    assert!(told.errors.contains("24 of 26"), "{}", told.errors);
+    assert!(message.errors.contains("24 of 26"), "{}", message.errors);
     let hits = read_hits(&hits_path);
     assert_eq!(hits.len(), rays.len());
     let (first, last) = (hits[0], hits[rays.len() - 1]);

@@ -9,7 +9,7 @@ use raycast_tests::files::{asset, bytes, folder, write, write_rays};
 use std::ffi::OsString;
 use std::path::Path;
 
-/// The colour of sections, as README tells it.
+/// The colour of sections in every mode that fills them: orange, #e07b39.
 const SECTION: Color = Color([0xe0, 0x7b, 0x39]);
 
 fn strings<const N: usize>(words: [&str; N]) -> impl Iterator<Item = OsString> {
@@ -64,9 +64,9 @@ fn pictures_of_sections_are_verified_and_a_changed_section_is_found() {
             arguments.extend(cull.into_iter().flatten().map(OsString::from));
             run(&mut command(arguments))
         };
-        let told = verify();
-        assert_eq!(told.status, Some(0), "{case}: {}", told.errors);
-        let text = String::from_utf8(told.output).expect("a report is UTF-8");
+        let message = verify();
+        assert_eq!(message.status, Some(0), "{case}: {}", message.errors);
+        let text = String::from_utf8(message.output).expect("a report is UTF-8");
         assert!(
             text.starts_with("6300 of 6300 pixels checked"),
             "{case}: {text}"
@@ -96,12 +96,14 @@ fn pictures_of_sections_are_verified_and_a_changed_section_is_found() {
         *pixel = [pixel[2], pixel[1], pixel[0], 255];
         let changed = picture.encode_with(Format::Png, recipe.as_ref());
         std::fs::write(&path, changed.expect("encodes")).expect("writes");
-        let told = verify();
-        assert_eq!(told.status, Some(1), "{case}: {}", told.errors);
+        let message = verify();
+        assert_eq!(message.status, Some(1), "{case}: {}", message.errors);
         assert!(
-            told.errors.contains("1 of 6300 pixels checked are wrong"),
+            message
+                .errors
+                .contains("1 of 6300 pixels checked are wrong"),
             "{case}: {}",
-            told.errors
+            message.errors
         );
     }
 }

@@ -76,10 +76,10 @@ fn without_a_display_the_window_says_what_to_do() {
         let mut command = command(arguments);
         command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
         command.env_remove("WAYLAND_SOCKET");
-        let told = run(&mut command);
-        assert_eq!(told.status, Some(1), "{told:?}");
-        assert_eq!(told.errors.lines().count(), 1, "{told:?}");
-        assert!(told.errors.contains("raycast render"), "{told:?}");
+        let message = run(&mut command);
+        assert_eq!(message.status, Some(1), "{message:?}");
+        assert_eq!(message.errors.lines().count(), 1, "{message:?}");
+        assert!(message.errors.contains("raycast render"), "{message:?}");
     }
 }
 
@@ -104,17 +104,17 @@ fn the_instruction_set_is_forced_everywhere() {
     ];
     for arguments in commands {
         let mut command = command(&arguments);
-        let told = run(command.env("RAYCAST_SIMD", "mmx"));
-        assert_eq!(told.status, Some(2), "{arguments:?}: {told:?}");
-        assert_eq!(told.errors.lines().count(), 1, "{told:?}");
-        let named = told
+        let message = run(command.env("RAYCAST_SIMD", "mmx"));
+        assert_eq!(message.status, Some(2), "{arguments:?}: {message:?}");
+        assert_eq!(message.errors.lines().count(), 1, "{message:?}");
+        let named = message
             .errors
             .contains("RAYCAST_SIMD: expected plain, neon or avx2");
-        assert!(named && told.errors.contains("mmx"), "{told:?}");
+        assert!(named && message.errors.contains("mmx"), "{message:?}");
     }
     let mut bench = command(arguments!["bench", &mesh, "--frames", "1", "--size", "8x8"]);
-    let told = run(bench.env("RAYCAST_SIMD", "plain"));
-    assert_eq!(json(&told.output)[0]["simd"], "plain");
+    let message = run(bench.env("RAYCAST_SIMD", "plain"));
+    assert_eq!(json(&message.output)[0]["simd"], "plain");
     let mut verify = command(arguments!["verify", &mesh, "--size", "64x64"]);
     assert_eq!(run(verify.env("RAYCAST_SIMD", "plain")).status, Some(0));
 }
@@ -196,7 +196,7 @@ fn stats_have_their_keys() {
 #[test]
 fn bench_has_its_shape() {
     let meshes = ["cube.obj", "torus.obj"].map(asset);
-    let told = succeed(arguments![
+    let message = succeed(arguments![
         "bench",
         &meshes[0],
         &meshes[1],
@@ -207,7 +207,7 @@ fn bench_has_its_shape() {
         "--threads",
         "1"
     ]);
-    let figures = json(&told.output);
+    let figures = json(&message.output);
     let files = figures.as_array().expect("an array");
     assert_eq!(files.len(), 2);
     for (file, mesh) in files.iter().zip(&meshes) {
@@ -231,10 +231,10 @@ fn bench_has_its_shape() {
             }
         }
     }
-    let told = succeed(arguments![
+    let message = succeed(arguments![
         "bench", &meshes[0], "--frames", "1", "--size", "8x8", "--eye", "0,0,9"
     ]);
-    let figures = json(&told.output);
+    let figures = json(&message.output);
     assert_eq!(figures[0]["views"][0]["view"], "given");
     assert_eq!(figures[0]["views"].as_array().map(Vec::len), Some(1));
 }
@@ -242,8 +242,8 @@ fn bench_has_its_shape() {
 #[test]
 fn info_tells_what_a_file_holds() {
     let mesh = asset("cube.obj");
-    let told = succeed(arguments!["info", &mesh]);
-    let text = String::from_utf8(told.output).expect("UTF-8");
+    let message = succeed(arguments!["info", &mesh]);
+    let text = String::from_utf8(message.output).expect("UTF-8");
     assert!(text.contains("cube") && text.contains("12"), "{text}");
     let folder = folder();
     let dropped = write(
@@ -251,15 +251,15 @@ fn info_tells_what_a_file_holds() {
         "dropped.obj",
         b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 1 2\nf 1 2 4\n",
     );
-    let told = succeed(arguments!["info", "--json", &mesh, &dropped]);
-    let files = json(&told.output);
+    let message = succeed(arguments!["info", "--json", &mesh, &dropped]);
+    let files = json(&message.output);
     assert_eq!(files[0]["triangles"], 12);
     assert_eq!(files[1]["triangles"], 3);
     assert_eq!(files[1]["dropped"]["zero_area"], 1);
     assert_eq!(files[1]["dropped"]["not_finite"], 1);
     assert!(files[0]["objects"][0].get("health").is_none());
-    let told = succeed(arguments!["info", "--json", "--health", &mesh, &dropped]);
-    let files = json(&told.output);
+    let message = succeed(arguments!["info", "--json", "--health", &mesh, &dropped]);
+    let files = json(&message.output);
     let cube = &files[0]["objects"][0]["health"];
     assert!(
         cube["closed"] == true && cube["euler_characteristic"] == 2,
@@ -303,9 +303,9 @@ fn info_tells_what_a_file_holds() {
 #[test]
 fn help_and_version_go_to_output() {
     for (argument, said) in [("--help", "raycast render"), ("--version", "raycast")] {
-        let told = succeed([argument]);
-        assert!(String::from_utf8_lossy(&told.output).contains(said));
-        assert!(told.errors.is_empty(), "{}", told.errors);
+        let message = succeed([argument]);
+        assert!(String::from_utf8_lossy(&message.output).contains(said));
+        assert!(message.errors.is_empty(), "{}", message.errors);
     }
 }
 
@@ -344,8 +344,8 @@ fn a_report_can_be_read_by_people_and_programs() {
         let name = name.to_string_lossy().into_owned();
         match path.extension().and_then(|extension| extension.to_str()) {
             Some("csv") => {
-                let told = String::from_utf8(bytes(&path)).expect("text");
-                let mut reader = csv::Reader::from_reader(told.as_bytes());
+                let message = String::from_utf8(bytes(&path)).expect("text");
+                let mut reader = csv::Reader::from_reader(message.as_bytes());
                 assert!(reader.headers().expect("headings").len() > 1, "{name}");
                 let rows = reader
                     .records()

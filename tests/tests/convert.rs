@@ -65,11 +65,11 @@ fn a_scene_of_several_objects_is_converted_in_its_places() {
     let folder = folder();
     let demo = asset("demo.raycast.toml");
     let obj = folder.path().join("demo.obj");
-    let told = convert(&demo, &obj, &[]);
+    let message = convert(&demo, &obj, &[]);
     assert!(
-        told.errors.contains("not kept: textures of"),
+        message.errors.contains("not kept: textures of"),
         "{}",
-        told.errors
+        message.errors
     );
     assert!(names(folder.path()).contains(&OsString::from("demo.mtl")));
     let ply = folder.path().join("demo.ply");
@@ -125,7 +125,7 @@ fn what_is_up_is_turned() {
     let turned = folder.path().join("b.txt");
     convert(&mesh, &turned, &["--up-axis", "z"]);
     assert_eq!(bytes(&turned), b"(0,0,0);(1,0,0);(0,3,-2)\n");
-    let told = succeed(arguments!["info", &mesh, "--up-axis", "z"]);
-    let told = String::from_utf8_lossy(&told.output).into_owned();
-    assert!(told.contains("z is taken to be up"), "{told}");
+    let message = succeed(arguments!["info", &mesh, "--up-axis", "z"]);
+    let message = String::from_utf8_lossy(&message.output).into_owned();
+    assert!(message.contains("z is taken to be up"), "{message}");
 }

@@ -10,11 +10,11 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A refusal: exit status 1, one line that says all of this.
-fn assert_refused(told: &ProgramOutput, said: &[&str]) {
-    assert_eq!(told.status, Some(1), "{told:?}");
-    assert_eq!(told.errors.lines().count(), 1, "{told:?}");
+fn assert_refused(message: &ProgramOutput, said: &[&str]) {
+    assert_eq!(message.status, Some(1), "{message:?}");
+    assert_eq!(message.errors.lines().count(), 1, "{message:?}");
     for word in said {
-        assert!(told.errors.contains(word), "{told:?}");
+        assert!(message.errors.contains(word), "{message:?}");
     }
 }
 
@@ -49,7 +49,7 @@ fn a_file_size_limit_leaves_the_old_file_and_nothing_else() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_device_is_told() {
+fn a_full_device_is_an_error() {
     let folder = folder();
     let full = Path::new("/dev/full");
     let [_, cast] = writers(folder.path(), full);
@@ -76,13 +76,13 @@ fn with_mounts(script: &str, arguments: &[&std::ffi::OsStr]) -> Option<ProgramOu
     unshare.arg(binary::path()).args(arguments);
     unshare.stdin(Stdio::null());
     let output = unshare.output().ok()?;
-    let told = ProgramOutput {
+    let message = ProgramOutput {
         status: output.status.code(),
         output: output.stdout,
         errors: String::from_utf8_lossy(&output.stderr).into_owned(),
     };
-    let may_mount = String::from_utf8_lossy(&told.output).starts_with("mounted\n");
-    may_mount.then_some(told)
+    let may_mount = String::from_utf8_lossy(&message.output).starts_with("mounted\n");
+    may_mount.then_some(message)
 }
 
 #[cfg(target_os = "linux")]
@@ -110,17 +110,17 @@ fn a_full_disk_and_a_read_only_one_leave_the_old_file_and_nothing_else() {
         (full, "No space left"),
         (read_only, "Read-only file system"),
     ] {
-        let Some(told) = with_mounts(script, &[place, mesh]) else {
+        let Some(message) = with_mounts(script, &[place, mesh]) else {
             println!("skipped: nothing can be mounted here");
             return;
         };
-        let text = String::from_utf8_lossy(&told.output);
+        let text = String::from_utf8_lossy(&message.output);
         assert_eq!(
             text, "mounted\nstatus 1\nstatus 1\na.ppm\nold",
             "{}",
-            told.errors
+            message.errors
         );
-        let lines: Vec<_> = told.errors.lines().collect();
+        let lines: Vec<_> = message.errors.lines().collect();
         assert_eq!(lines.len(), 2, "{lines:?}");
         for (line, name) in lines.iter().zip(["a.ppm", "b.ppm"]) {
             assert!(line.contains(name) && line.contains(said), "{line}");
@@ -131,7 +131,7 @@ fn a_full_disk_and_a_read_only_one_leave_the_old_file_and_nothing_else() {
 /// The superuser may write anywhere: for others a folder that is read-only.
 #[cfg(unix)]
 #[test]
-fn a_read_only_folder_is_told_before_the_work() {
+fn a_read_only_folder_is_refused_before_the_work() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder();
     let place = write(folder.path(), "a.png", "old");
@@ -218,15 +218,15 @@ fn a_mesh_that_changes_while_it_is_read_is_a_picture_or_one_line() {
         });
         for _ in 0..40 {
             write(folder.path(), "a.ppm", "old");
-            let told = run(&mut command(&render));
+            let message = run(&mut command(&render));
             let left = bytes(&place);
-            match told.status {
-                Some(0) => assert_eq!(left.len(), length, "{told:?}"),
+            match message.status {
+                Some(0) => assert_eq!(left.len(), length, "{message:?}"),
                 Some(1) => {
-                    assert_eq!(told.errors.lines().count(), 1, "{told:?}");
+                    assert_eq!(message.errors.lines().count(), 1, "{message:?}");
                     assert_eq!(left, b"old");
                 }
-                _ => panic!("{told:?}"),
+                _ => panic!("{message:?}"),
             }
             assert_eq!(names(folder.path()), ["a.ppm", "mesh.obj"]);
         }
@@ -271,14 +271,14 @@ fn meshes_and_trees_beyond_memory_are_refused() {
             "ulimit -v {kibibytes}; exec timeout 60 \"$0\" \"$@\""
         ));
         shell.arg(raycast_tests::binary::path()).args(&arguments);
-        let told = run(shell.stdin(Stdio::null()));
-        assert_eq!(told.status, Some(1), "{arguments:?}: {}", told.errors);
-        assert_eq!(told.errors.lines().count(), 1, "{}", told.errors);
+        let message = run(shell.stdin(Stdio::null()));
+        assert_eq!(message.status, Some(1), "{arguments:?}: {}", message.errors);
+        assert_eq!(message.errors.lines().count(), 1, "{}", message.errors);
         for expected in [expected, "ulimit -v"] {
             assert!(
-                told.errors.contains(expected),
+                message.errors.contains(expected),
                 "{expected}: {}",
-                told.errors
+                message.errors
             );
         }
     }
@@ -310,17 +310,17 @@ fn little_address_space_is_one_line() {
             arguments!["render", &mesh, "-o", &picture, "--size", "64x48"],
             arguments!["stitch", &mesh, "-o", &picture],
         ] {
-            let told = limited(kibibytes, &arguments);
-            let lines = told.errors.lines().count();
-            match told.status {
-                Some(0) => assert_eq!(lines, 0, "{kibibytes}: {told:?}"),
+            let message = limited(kibibytes, &arguments);
+            let lines = message.errors.lines().count();
+            match message.status {
+                Some(0) => assert_eq!(lines, 0, "{kibibytes}: {message:?}"),
                 Some(1) => {
-                    assert_eq!(lines, 1, "{kibibytes}: {told:?}");
-                    refused += u32::from(told.errors.contains("(ulimit -v)"));
+                    assert_eq!(lines, 1, "{kibibytes}: {message:?}");
+                    refused += u32::from(message.errors.contains("(ulimit -v)"));
                 }
                 // Where not even some bytes are left, the standard library ends the process and says so.
                 None => {}
-                _ => panic!("{kibibytes}: {arguments:?}: {told:?}"),
+                _ => panic!("{kibibytes}: {arguments:?}: {message:?}"),
             }
         }
     }

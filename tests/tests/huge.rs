@@ -60,15 +60,18 @@ fn a_picture_in_bands_is_the_stitched_one_and_the_same_for_any_split() {
     stitch.extend(arguments!["-o", at("lacking.png")]);
     let line = refuse(1, stitch);
     assert!(line.contains("is missing"), "{line}");
-    let told = succeed(arguments![
+    let message = succeed(arguments![
         "verify",
         at("whole.png"),
         asset("torus.obj"),
         "--checks",
         "300"
     ]);
-    let told = String::from_utf8_lossy(&told.output).into_owned();
-    assert!(told.contains("300 of 17203200 pixels checked"), "{told}");
+    let message = String::from_utf8_lossy(&message.output).into_owned();
+    assert!(
+        message.contains("300 of 17203200 pixels checked"),
+        "{message}"
+    );
 
     // The same pixels in files without compression, and in one that another program reads.
     render(&at("whole.ppm"), &["--size", SIZE]);
@@ -112,9 +115,9 @@ fn rays(output: &Path, more: &[&str]) -> u64 {
     let name = stats.to_string_lossy();
     more.extend(["--stats", &name]);
     render(output, &more);
-    let told: serde_json::Value = serde_json::from_slice(&bytes(&stats)).expect("JSON");
+    let message: serde_json::Value = serde_json::from_slice(&bytes(&stats)).expect("JSON");
     std::fs::remove_file(stats).expect("it was written");
-    told["rays"].as_u64().expect("a number")
+    message["rays"].as_u64().expect("a number")
 }
 
 /// Begins a render with `--resume`, and kills it once its journal tells of a band that is safe.
@@ -178,7 +181,7 @@ fn a_render_that_is_ended_goes_on_to_the_same_bytes() {
 }
 
 #[test]
-fn what_cannot_be_gone_on_with_is_said() {
+fn a_render_that_cannot_be_resumed_says_why() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let mesh = asset("torus.obj");
@@ -192,10 +195,10 @@ fn what_cannot_be_gone_on_with_is_said() {
             "64x48",
             "--resume"
         ];
-        let told = succeed(small).errors;
+        let message = succeed(small).errors;
         assert!(
-            told.contains(name) && told.contains("--resume has no effect"),
-            "{told}"
+            message.contains(name) && message.contains("--resume has no effect"),
+            "{message}"
         );
     }
     let frames = arguments![
@@ -285,6 +288,49 @@ fn a_deep_zooms_finest_tiles_are_the_picture_and_its_coarsest_one_pixel() {
     assert!(dzi.contains("Width=\"1000\" Height=\"700\""), "{dzi}");
     let page = String::from_utf8(bytes(&at("a.html"))).expect("text");
     assert!(page.contains("tiles = \"a_files\", columns = 1000, rows = 700, top_level = 10"));
+}
+
+/// Runs the functions of a page's script beside stand-ins for the browser, and prints what it fetched.
+const FETCHES: &str = r#"
+const page = require("fs").readFileSync(process.argv[1], "utf8");
+const script = page.split("<script>")[1].split("</script>")[0];
+const any = new Proxy(function () {}, { get: () => any, apply: () => any, set: () => true });
+const fetched = [];
+class Image { set src(name) { fetched.push(name.split("/")[2]); } }
+const names = ["document", "window", "Image", "innerWidth", "innerHeight", "addEventListener", "requestAnimationFrame"];
+const image = new Function(...names, script + "\nreturn image;")(
+  any, { devicePixelRatio: 1 }, Image, 800, 600, () => {}, () => {});
+for (let column = 0; column < 600; column++) image(0, column, 0);
+image(0, 0, 0);
+image(0, 600, 0);
+fetched.length = 0;
+image(0, 0, 0);
+image(0, 1, 0);
+console.log(fetched.join(" "));
+"#;
+
+/// Of 601 tiles the page forgets the one whose use is longest ago, not the one that it fetched first.
+#[test]
+fn a_deep_zooms_page_forgets_the_least_recently_used_tile() {
+    if std::process::Command::new("node")
+        .arg("--version")
+        .output()
+        .is_err()
+    {
+        eprintln!("skipped: node is not installed");
+        return;
+    }
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    render(&at("a.dzi"), &["--size", "64x48"]);
+    let ended = std::process::Command::new("node")
+        .args(["-e", FETCHES])
+        .arg(at("a.html"))
+        .output()
+        .expect("node runs");
+    let errors = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success(), "{errors}");
+    assert_eq!(ended.stdout, b"1_0.png\n", "{errors}");
 }
 
 #[test]

@@ -91,7 +91,7 @@ fn a_scenes_keyframes_are_its_frames() {
             "{frame}"
         );
     }
-    for (arguments, told) in [
+    for (arguments, message) in [
         (
             arguments![
                 "render",
@@ -128,7 +128,7 @@ fn a_scenes_keyframes_are_its_frames() {
         ),
     ] {
         let line = refuse(2, arguments);
-        assert!(line.contains(told), "{line}");
+        assert!(line.contains(message), "{line}");
     }
 }
 
@@ -210,8 +210,8 @@ fn a_plans_lines_make_the_whole_pictures_bytes_in_any_order() {
         assert_eq!(shell(line).status, Some(0), "{line}");
     }
     for line in stitch.lines() {
-        let told = shell(line);
-        assert_eq!(told.status, Some(0), "{line}: {}", told.errors);
+        let message = shell(line);
+        assert_eq!(message.status, Some(0), "{line}: {}", message.errors);
     }
     render(&mesh, &at("whole-%d.png"), &["--turntable", "2"]);
     for frame in 0..2 {
@@ -317,14 +317,14 @@ fn a_plans_jobs_find_a_texture_from_any_folder() {
         let mut plan = Command::new(program);
         plan.args(["plan", "a.obj", "-o", name, "--", "--size", "64x48"]);
         plan.args(["--mode", "texture"]).args(texture.split(' '));
-        let told = run(plan.current_dir(&work));
-        assert_eq!(told.status, Some(0), "{}", told.errors);
+        let message = run(plan.current_dir(&work));
+        assert_eq!(message.status, Some(0), "{}", message.errors);
         for lines in [name.to_owned(), format!("{name}.stitch")] {
-            let told = run(Command::new("sh")
+            let message = run(Command::new("sh")
                 .arg("-e")
                 .arg(at(&lines))
                 .current_dir("/"));
-            assert_eq!(told.status, Some(0), "{lines}: {}", told.errors);
+            assert_eq!(message.status, Some(0), "{lines}: {}", message.errors);
         }
     }
     let texture = folder.path().join("skin.png").display().to_string();

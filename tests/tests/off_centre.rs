@@ -127,7 +127,7 @@ fn every_split_gives_the_same_bytes_and_recipes_read_back() {
         assert_eq!(recipe.to_string().parse::<Recipe>().expect("reads"), recipe);
         let mut other = recipe;
         other.camera = other.camera.shifted([0.0; 2]);
-        let told = recipe.difference(&other).expect("they differ");
-        assert!(told.contains("another"), "{told}");
+        let message = recipe.difference(&other).expect("they differ");
+        assert!(message.contains("another"), "{message}");
     }
 }

@@ -315,9 +315,9 @@ mod unix {
                 println!("skipped: others may not start the program here");
                 return;
             };
-            let told = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(1), "{mode:o}: {told}");
-            assert!(told.contains(said), "{mode:o}: {told}");
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(1), "{mode:o}: {message}");
+            assert!(message.contains(said), "{mode:o}: {message}");
             assert_eq!(bytes(&path), b"old");
             assert_eq!(names(folder.path()), ["a.png"]);
         }
@@ -326,8 +326,8 @@ mod unix {
         chown(&path, Some(other), Some(other)).expect("given away");
         let mut command = command(render(&path));
         command.uid(other).gid(other);
-        let told = run(&mut command);
-        assert_eq!(told.status, Some(0), "{}", told.errors);
+        let message = run(&mut command);
+        assert_eq!(message.status, Some(0), "{}", message.errors);
         assert_eq!(std::fs::metadata(&path).expect("a file").uid(), other);
     }
 }
@@ -357,16 +357,16 @@ fn frames_are_not_written_over_what_is_read_nor_statistics_over_frames() {
         ]
     };
     // The third frame is the texture: none is written.
-    let told = refuse(2, frames("f-%d.png"));
-    assert!(told.contains("f-2.png: cannot be written"), "{told}");
+    let message = refuse(2, frames("f-%d.png"));
+    assert!(message.contains("f-2.png: cannot be written"), "{message}");
     assert!(!inputs.at("f-0.png").exists());
     assert!(bytes(&inputs.at("f-2.png")) == image);
     let mut with_stats = frames("g-%d.png");
     with_stats.extend(arguments!["--stats", inputs.at("g-1.png")]);
     refuse(2, with_stats);
     for pattern in ["h-%s.png", "h-%d-%d.png", "h-%99d.png"] {
-        let told = refuse(2, frames(pattern));
-        assert!(told.contains("%05d"), "{told}");
+        let message = refuse(2, frames(pattern));
+        assert!(message.contains("%05d"), "{message}");
     }
     inputs.assert_untouched("frames");
     succeed(frames("k-%d.png"));

@@ -206,12 +206,12 @@ fn broken_files_are_refused_with_their_reason() {
 }
 
 #[test]
-fn what_is_not_shown_is_said() {
+fn contents_that_are_not_shown_are_noted() {
     let Some(folder) = folder() else { return };
-    for (name, told) in PARTLY {
+    for (name, message) in PARTLY {
         let warnings = read(&folder.join(name)).warnings;
         assert!(
-            warnings.iter().any(|line| line.contains(told)),
+            warnings.iter().any(|line| line.contains(message)),
             "{name}: {warnings:?}"
         );
     }

@@ -209,12 +209,12 @@ fn lines_that_a_panorama_leaves_out_are_named() {
         ];
         arguments.extend(arguments!["--projection", projection]);
         arguments.extend(options.split_whitespace().map(OsString::from));
-        let told = succeed(&arguments).errors;
+        let message = succeed(&arguments).errors;
         assert_eq!(
-            told.is_empty(),
+            message.is_empty(),
             named.is_empty(),
-            "{projection} {options}: {told}"
+            "{projection} {options}: {message}"
         );
-        assert!(told.contains(named), "{projection} {options}: {told}");
+        assert!(message.contains(named), "{projection} {options}: {message}");
     }
 }

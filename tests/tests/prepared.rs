@@ -117,10 +117,10 @@ fn what_a_mesh_names_is_in_the_prepared_file() {
     fs::rename(&prepared, &moved).expect("moved");
     assert!(picture(&[&moved], "a.png", "--mode texture") == expected);
     // It has an image, and says so.
-    let told = succeed(arguments!["info", &moved, "--json"]).output;
-    let told = String::from_utf8(told).expect("JSON");
+    let message = succeed(arguments!["info", &moved, "--json"]).output;
+    let message = String::from_utf8(message).expect("JSON");
     for expected in ["\"prepared mesh\"", "prepared from a.obj", "\"texture\": ["] {
-        assert!(told.contains(expected), "{expected}: {told}");
+        assert!(message.contains(expected), "{expected}: {message}");
     }
 }
 
@@ -153,13 +153,13 @@ fn several_meshes_are_prepared_as_one_file_and_named_by_scene_files() {
     let named = scene("b.raycast.toml", "mesh = \"both.raycast\"\nnode = 1");
     assert!(picture(&[&named], "a.exr", "") == picture(&[&plain], "a.exr", ""));
     // Scene files themselves are not prepared.
-    let told = refuse(
+    let message = refuse(
         1,
         arguments!["prepare", asset("demo.raycast.toml"), "-o", &prepared],
     );
     assert!(
-        told.contains("prepare the meshes that the scene file names"),
-        "{told}"
+        message.contains("prepare the meshes that the scene file names"),
+        "{message}"
     );
     assert!(bytes(&prepared) == first, "a refusal changes nothing");
 }
@@ -235,8 +235,8 @@ fn a_prepared_file_is_written_whole_over_nothing_that_was_read() {
             "none.obj",
         ),
     ] {
-        let told = refuse(status, arguments!["prepare", from, "-o", &to]);
-        assert!(told.contains(expected), "{told}");
+        let message = refuse(status, arguments!["prepare", from, "-o", &to]);
+        assert!(message.contains(expected), "{message}");
     }
     assert!(!named.exists());
     prepare(&[&mesh], &named, &[]);
@@ -254,9 +254,9 @@ fn a_prepared_file_is_written_whole_over_nothing_that_was_read() {
     let middle = damaged.len() / 2;
     damaged[middle] ^= 1;
     let damaged = write(folder.path(), "damaged.raycast", damaged);
-    let told = refuse(1, arguments!["info", &damaged]);
+    let message = refuse(1, arguments!["info", &damaged]);
     assert!(
-        told.contains("damaged: run `raycast prepare` again"),
-        "{told}"
+        message.contains("damaged: run `raycast prepare` again"),
+        "{message}"
     );
 }

@@ -39,11 +39,14 @@ fn images_that_claim_too_much_are_refused_before_they_are_made() {
         render(&mesh, &all)
     };
     let started = Instant::now();
-    let told = refuse(1, with(&image, &[]));
-    assert!(told.contains("bomb.ppm: an image of 32768x32768"), "{told}");
-    assert!(told.contains("limit `pixels`"), "{told}");
-    let told = refuse(1, with(&image, &["--limit", "pixels=2G"]));
-    assert!(told.contains("limit `bytes`"), "{told}");
+    let message = refuse(1, with(&image, &[]));
+    assert!(
+        message.contains("bomb.ppm: an image of 32768x32768"),
+        "{message}"
+    );
+    assert!(message.contains("limit `pixels`"), "{message}");
+    let message = refuse(1, with(&image, &["--limit", "pixels=2G"]));
+    assert!(message.contains("limit `bytes`"), "{message}");
     assert!(started.elapsed() < Duration::from_secs(20));
     // A mesh does without.
     write(folder.path(), "a.mtl", "newmtl x\nmap_Kd bomb.ppm\n");
@@ -52,8 +55,12 @@ fn images_that_claim_too_much_are_refused_before_they_are_made() {
         "b.obj",
         format!("mtllib a.mtl\nusemtl x\n{TRIANGLE}"),
     );
-    let told = rendered(&mesh, &[]);
-    assert!(told.errors.contains("limit `pixels`"), "{}", told.errors);
+    let message = rendered(&mesh, &[]);
+    assert!(
+        message.errors.contains("limit `pixels`"),
+        "{}",
+        message.errors
+    );
 }
 
 #[test]
@@ -61,17 +68,17 @@ fn limits_count_what_a_scene_takes() {
     let folder = folder();
     let mesh = write(folder.path(), "a.obj", format!("{TRIANGLE}f 1 2 3\n"));
     rendered(&mesh, &["--limit", "triangles=2"]);
-    let told = refuse(1, render(&mesh, &["--limit", "triangles=1"]));
+    let message = refuse(1, render(&mesh, &["--limit", "triangles=1"]));
     assert!(
-        told.contains("at most 1 are allowed (limit `triangles`)"),
-        "{told}"
+        message.contains("at most 1 are allowed (limit `triangles`)"),
+        "{message}"
     );
-    let told = refuse(1, render(&mesh, &["--limit", "bytes=40"]));
-    assert!(told.contains("limit `bytes`"), "{told}");
+    let message = refuse(1, render(&mesh, &["--limit", "bytes=40"]));
+    assert!(message.contains("limit `bytes`"), "{message}");
     // Of all files together, and of all objects.
     let name = mesh.display().to_string();
-    let told = refuse(1, render(&mesh, &[&name, "--limit", "triangles=3"]));
-    assert!(told.contains("limit `triangles`"), "{told}");
+    let message = refuse(1, render(&mesh, &[&name, "--limit", "triangles=3"]));
+    assert!(message.contains("limit `triangles`"), "{message}");
     let object = "[[object]]\nmesh = \"a.obj\"\n";
     let scene = write(folder.path(), "a.raycast.toml", object.repeat(2));
     rendered(&scene, &["--limit", "triangles=4"]);
@@ -91,14 +98,14 @@ fn nothing_is_waited_for_that_a_file_names() {
             "in/a.obj",
             format!("mtllib {library}\n{TRIANGLE}"),
         );
-        let told = rendered(&mesh, &["--follow-anywhere"]);
+        let message = rendered(&mesh, &["--follow-anywhere"]);
         assert!(
-            told.errors.contains("not a regular file"),
+            message.errors.contains("not a regular file"),
             "{}",
-            told.errors
+            message.errors
         );
-        let told = rendered(&mesh, &[]);
-        assert!(told.errors.contains(library), "{}", told.errors);
+        let message = rendered(&mesh, &[]);
+        assert!(message.errors.contains(library), "{}", message.errors);
     }
     write(folder.path(), "in/a.mtl", "newmtl x\nmap_Kd ../pipe\n");
     let mesh = write(
@@ -106,21 +113,21 @@ fn nothing_is_waited_for_that_a_file_names() {
         "in/b.obj",
         format!("mtllib a.mtl\nusemtl x\n{TRIANGLE}"),
     );
-    let told = rendered(&mesh, &[]);
-    assert!(told.errors.contains("a pipe"), "{}", told.errors);
+    let message = rendered(&mesh, &[]);
+    assert!(message.errors.contains("a pipe"), "{}", message.errors);
     let scene = write(
         folder.path(),
         "a.raycast.toml",
         "[[object]]\nmesh = \"pipe\"\n",
     );
-    let told = refuse(1, render(&scene, &[]));
+    let message = refuse(1, render(&scene, &[]));
     assert!(
-        told.contains("a.raycast.toml:2: ") && told.contains("a pipe"),
-        "{told}"
+        message.contains("a.raycast.toml:2: ") && message.contains("a pipe"),
+        "{message}"
     );
     let device = Path::new("/dev/zero");
-    let told = refuse(1, ["info".as_ref(), device.as_os_str()]);
-    assert!(told.contains("a device"), "{told}");
+    let message = refuse(1, ["info".as_ref(), device.as_os_str()]);
+    assert!(message.contains("a device"), "{message}");
     assert!(started.elapsed() < Duration::from_secs(60));
 }
 
@@ -134,9 +141,9 @@ fn a_pipe_on_the_command_line_is_read_once() {
         let pipe = pipe.clone();
         std::thread::spawn(move || std::fs::write(pipe, TRIANGLE))
     };
-    let told = run(&mut command(["info".as_ref(), pipe.as_os_str()]));
-    assert_eq!(told.status, Some(0), "{}", told.errors);
-    let output = String::from_utf8_lossy(&told.output);
+    let message = run(&mut command(["info".as_ref(), pipe.as_os_str()]));
+    assert_eq!(message.status, Some(0), "{}", message.errors);
+    let output = String::from_utf8_lossy(&message.output);
     assert!(output.contains("pipe: OBJ"), "{output}");
     assert!(writer.join().is_ok_and(|written| written.is_ok()));
 }
@@ -160,9 +167,17 @@ fn what_is_followed_far_is_named() {
         "a/b/far.obj",
         format!("mtllib ../../far.mtl\nusemtl x\n{TRIANGLE}"),
     );
-    let told = rendered(&mesh, &[]);
-    assert!(told.errors.contains("\"../../far.mtl\""), "{}", told.errors);
-    assert!(told.errors.contains("`follow-anywhere`"), "{}", told.errors);
+    let message = rendered(&mesh, &[]);
+    assert!(
+        message.errors.contains("\"../../far.mtl\""),
+        "{}",
+        message.errors
+    );
+    assert!(
+        message.errors.contains("`follow-anywhere`"),
+        "{}",
+        message.errors
+    );
     assert_eq!(rendered(&mesh, &["--follow-anywhere"]).errors, "");
 }
 
@@ -186,17 +201,18 @@ fn faces_cover_their_insides_alone() {
         "bow.obj",
         "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n",
     );
-    let told = rendered(&bow_tie, &[]);
+    let message = rendered(&bow_tie, &[]);
     assert!(
-        told.errors
+        message
+            .errors
             .contains("faces that cross or touch themselves, which are cut as fans: 1"),
         "{}",
-        told.errors
+        message.errors
     );
 }
 
 #[test]
-fn what_rounding_does_is_told() {
+fn rounding_that_bends_triangles_gives_a_warning() {
     let folder = folder();
     let mesh = write(
         folder.path(),
@@ -204,20 +220,23 @@ fn what_rounding_does_is_told() {
         "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 1 1 1\nv 1.0000000001 1 1\nv 1 1.0000000001 1\n\
          v 1 1.000001 1\nf 1 2 3\nf 4 5 6\nf 1 4 7\n",
     );
-    let told = rendered(&mesh, &[]);
+    let message = rendered(&mesh, &[]);
     assert!(
-        told.errors.contains("1 rounded away by single precision"),
+        message
+            .errors
+            .contains("1 rounded away by single precision"),
         "{}",
-        told.errors
+        message.errors
     );
     assert!(
-        told.errors
+        message
+            .errors
             .contains("triangles of which rounding to single precision moves a corner"),
         "{}",
-        told.errors
+        message.errors
     );
-    let told = succeed(["info".as_ref(), "--json".as_ref(), mesh.as_os_str()]);
-    let value: serde_json::Value = serde_json::from_slice(&told.output).expect("JSON");
+    let message = succeed(["info".as_ref(), "--json".as_ref(), mesh.as_os_str()]);
+    let value: serde_json::Value = serde_json::from_slice(&message.output).expect("JSON");
     assert_eq!(value[0]["dropped"]["rounded_away"], 1);
     let object = &value[0]["objects"][0];
     assert_eq!(object["rounding"]["bent"], 1);
@@ -249,15 +268,18 @@ fn cameras_that_look_nowhere_are_refused_in_the_same_words() {
             "a camera cannot look from [1.0, 2.0, 3.0] at the same point",
         ),
     ] {
-        let told = refuse(2, render(&mesh, options));
-        assert!(told.contains(why), "{told}");
+        let message = refuse(2, render(&mesh, options));
+        assert!(message.contains(why), "{message}");
         let scene = format!("[camera]\n{lines}\n[[object]]\nmesh = \"a.obj\"\n");
         let scene = write(folder.path(), "a.raycast.toml", scene);
-        let told = refuse(1, render(&scene, &[]));
-        assert!(told.contains(why), "{told}");
+        let message = refuse(1, render(&scene, &[]));
+        assert!(message.contains(why), "{message}");
     }
-    let told = refuse(2, render(&mesh, &["--step", "1e-320"]));
-    assert!(told.contains("a step of 1e-320 cannot be used"), "{told}");
+    let message = refuse(2, render(&mesh, &["--step", "1e-320"]));
+    assert!(
+        message.contains("a step of 1e-320 cannot be used"),
+        "{message}"
+    );
     for (option, key) in [
         ("--samples=4097", "[image]\nsamples = 4097"),
         ("--wireframe=101", "[shading]\nwireframe-width = 101.0"),

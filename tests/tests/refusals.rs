@@ -72,17 +72,26 @@ fn a_mesh_cut_anywhere_is_a_picture_or_one_line() {
         let mut command = command(arguments![
             "render", &mesh, "-o", &output, "--size", "16x16"
         ]);
-        let told = run(&mut command);
-        match told.status {
+        let message = run(&mut command);
+        match message.status {
             Some(0) => std::fs::remove_file(&output).expect("a picture"),
             Some(1) => {
                 refused += 1;
                 let place = mesh.display().to_string();
-                assert_eq!(told.errors.lines().count(), 1, "{length}: {}", told.errors);
-                assert!(told.errors.contains(&place), "{length}: {}", told.errors);
+                assert_eq!(
+                    message.errors.lines().count(),
+                    1,
+                    "{length}: {}",
+                    message.errors
+                );
+                assert!(
+                    message.errors.contains(&place),
+                    "{length}: {}",
+                    message.errors
+                );
                 assert!(!output.exists(), "{length}");
             }
-            status => panic!("{length}: {status:?}: {}", told.errors),
+            status => panic!("{length}: {status:?}: {}", message.errors),
         }
     }
     assert!(refused > 5, "{refused}");
@@ -151,8 +160,11 @@ fn an_input_is_not_overwritten() {
     let folder = folder();
     let mesh = write(folder.path(), "mesh.png", bytes(&asset("cube.obj")));
     let mut command = command(arguments!["render", &mesh, "-o", &mesh, "--size", "8x8"]);
-    let told = run(&mut command);
-    assert!(told.status == Some(1) || told.status == Some(2), "{told:?}");
+    let message = run(&mut command);
+    assert!(
+        message.status == Some(1) || message.status == Some(2),
+        "{message:?}"
+    );
     assert!(bytes(&mesh) == bytes(&asset("cube.obj")));
 }
 

@@ -138,11 +138,11 @@ fn strips_of_tiles_equal_tiles() {
         let cast = view.cast(Grid::Size(16), Detail::Triangle);
         for grid in GRIDS {
             for threads in [1, 2, 5] {
-                let told = Mutex::new((0, TileStats::default()));
+                let message = Mutex::new((0, TileStats::default()));
                 let sink = |stats: &TileStats| {
-                    let mut told = told.lock().expect("no worker panicked");
-                    told.0 += 1;
-                    told.1 += *stats;
+                    let mut message = message.lock().expect("no worker panicked");
+                    message.0 += 1;
+                    message.1 += *stats;
                 };
                 // Whatever was there before is gone.
                 let mut picture = Picture::blank(columns, rows, false);
@@ -156,7 +156,7 @@ fn strips_of_tiles_equal_tiles() {
                     picture.pixels == expected.pixels,
                     "{mode:?} {grid:?} {threads}"
                 );
-                let (tiles, stats) = told.into_inner().expect("no worker panicked");
+                let (tiles, stats) = message.into_inner().expect("no worker panicked");
                 assert_eq!(tiles, grid.tiles(columns, rows).len());
                 assert_eq!(stats.rays, u64::from(columns * rows));
                 assert_eq!(stats.counts.hits, cast.counts.hits);

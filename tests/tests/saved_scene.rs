@@ -132,7 +132,7 @@ fn a_saved_scene_is_no_file_that_is_read_or_written() {
     std::fs::copy(asset("torus.obj"), &mesh).expect("a copy");
     let scene = folder.path().join("own.raycast.toml");
     std::fs::write(&scene, "[[object]]\nmesh = \"a.obj\"\n").expect("a scene");
-    let told = |input: &std::path::Path, saved: &std::path::Path| {
+    let message = |input: &std::path::Path, saved: &std::path::Path| {
         let mut line = words(&["render"]);
         line.extend([
             input.into(),
@@ -142,9 +142,9 @@ fn a_saved_scene_is_no_file_that_is_read_or_written() {
         line.extend(["--save-scene".into(), saved.into()]);
         refuse(2, &line)
     };
-    let own = told(&scene, &scene);
+    let own = message(&scene, &scene);
     assert!(own.contains("reads or writes that already"), "{own}");
-    let name = told(&mesh, &folder.path().join("scene.txt"));
+    let name = message(&mesh, &folder.path().join("scene.txt"));
     assert!(name.contains("ends in .toml"), "{name}");
     assert!(!folder.path().join("a.png").exists());
 }

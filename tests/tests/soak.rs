@@ -116,9 +116,9 @@ impl Window {
     }
 
     fn title(&self) -> String {
-        let told = self.screen.xdotool(&["getwindowname", &self.id]);
+        let message = self.screen.xdotool(&["getwindowname", &self.id]);
         // Without the mark of changes that are not saved.
-        let title = String::from_utf8_lossy(&told.stdout).replace(" *", "");
+        let title = String::from_utf8_lossy(&message.stdout).replace(" *", "");
         title.trim().to_owned()
     }
 

@@ -209,8 +209,8 @@ fn fragments_of_two_processors_stitch() {
             command(arguments)
         };
         let done = |mut command: Command| {
-            let told = run(&mut command);
-            assert_eq!(told.status, Some(0), "{orbit}: {}", told.errors);
+            let message = run(&mut command);
+            assert_eq!(message.status, Some(0), "{orbit}: {}", message.errors);
         };
         done(command("whole", &[]));
         done(command("left", &["--tiles", "2x1", "--sub-camera", "0,0"]));

@@ -117,8 +117,8 @@ fn every_split_gives_the_same_bytes_and_recipes_read_back() {
         assert_eq!(recipe.to_string().parse::<Recipe>().expect("reads"), recipe);
         let mut other = recipe;
         other.camera = other.camera.in_stereo(None);
-        let told = recipe.difference(&other).expect("they differ");
-        assert!(told.contains("another"), "{told}");
+        let message = recipe.difference(&other).expect("they differ");
+        assert!(message.contains("another"), "{message}");
     }
 }
 
@@ -161,7 +161,7 @@ fn verify_proves_all_pixels_and_fragments_stitch() {
         verify.extend([at("whole").into(), demo.clone(), "--all".into()]);
         succeed(&verify);
     }
-    for (options, told) in [
+    for (options, message) in [
         ("--stereo=pair", "--stereo needs --eye-distance"),
         ("--eye-distance=1", "are for pictures with --stereo"),
         (
@@ -180,7 +180,7 @@ fn verify_proves_all_pixels_and_fragments_stitch() {
         line.extend(words(&options.split_whitespace().collect::<Vec<_>>()));
         line.extend(["-o".into(), folder.path().join("refused.png").into()]);
         let refused = refuse(2, &line);
-        assert!(refused.contains(told), "{options}: {refused}");
+        assert!(refused.contains(message), "{options}: {refused}");
     }
 }
 

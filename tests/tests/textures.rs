@@ -199,7 +199,7 @@ fn a_packed_profile_takes_no_memory() {
     let mut writer = encoder.write_header().expect("a header");
     writer.write_image_data(&[200; 16 * 16 * 3]).expect("rows");
     writer.finish().expect("an end");
-    let told = succeed(arguments![
+    let message = succeed(arguments![
         "render",
         asset("cube.obj"),
         "--texture",
@@ -213,7 +213,7 @@ fn a_packed_profile_takes_no_memory() {
         "--stats",
         "-"
     ]);
-    let stats: serde_json::Value = serde_json::from_slice(&told.output).expect("JSON");
+    let stats: serde_json::Value = serde_json::from_slice(&message.output).expect("JSON");
     let peak = stats["peak_bytes"].as_u64().expect("a number");
     assert!(peak < 256 << 20, "{peak}");
 }

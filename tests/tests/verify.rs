@@ -22,8 +22,8 @@ fn a_wrong_pixel_is_found() {
             arguments
         };
         succeed(with_view(arguments!["render", &mesh, "-o", &path]));
-        let told = succeed(with_view(arguments!["verify", &path, &mesh]));
-        let text = String::from_utf8(told.output).expect("a report is UTF-8");
+        let message = succeed(with_view(arguments!["verify", &path, &mesh]));
+        let text = String::from_utf8(message.output).expect("a report is UTF-8");
         assert!(
             text.starts_with("16500 of 16500 pixels checked: "),
             "{text}"
@@ -48,10 +48,14 @@ fn a_wrong_pixel_is_found() {
                 layers.triangle[at] ^= 1;
             }
             std::fs::write(&path, bad.encode(Format::Exr).expect("encodes")).expect("writes");
-            let told = run(&mut command(with_view(arguments!["verify", &path, &mesh])));
-            assert_eq!(told.status, Some(1), "{}", told.errors);
-            assert!(told.errors.contains("1 of 16500 pixels checked are wrong"));
-            let text = String::from_utf8(told.output).expect("a report is UTF-8");
+            let message = run(&mut command(with_view(arguments!["verify", &path, &mesh])));
+            assert_eq!(message.status, Some(1), "{}", message.errors);
+            assert!(
+                message
+                    .errors
+                    .contains("1 of 16500 pixels checked are wrong")
+            );
+            let text = String::from_utf8(message.output).expect("a report is UTF-8");
             let (column, row) = (at % 150, at / 150);
             assert!(
                 text.contains(&format!("column {column}, row {row}: ")),
@@ -76,20 +80,20 @@ fn a_repainted_picture_is_found() {
             arguments.extend(view.map(OsString::from));
             arguments.extend(["--mode", mode, "--samples", samples].map(OsString::from));
             succeed(arguments);
-            let told = succeed(arguments!["verify", path, &mesh, "--all"]);
-            let text = String::from_utf8(told.output).expect("a report is UTF-8");
+            let message = succeed(arguments!["verify", path, &mesh, "--all"]);
+            let text = String::from_utf8(message.output).expect("a report is UTF-8");
             assert!(text.starts_with("6300 of 6300 pixels checked"), "{text}");
             assert!(text.contains("colour at "), "{text}");
             assert!(text.contains("0 wrong: every "), "{text}");
         }
         let refused = |path: &Path, count: Option<usize>| {
-            let told = run(&mut command(arguments!["verify", path, &mesh, "--all"]));
-            assert_eq!(told.status, Some(1), "{}", told.errors);
+            let message = run(&mut command(arguments!["verify", path, &mesh, "--all"]));
+            assert_eq!(message.status, Some(1), "{}", message.errors);
             if let Some(count) = count {
                 let expected = format!("{count} of 6300 pixels checked are wrong");
-                assert!(told.errors.contains(&expected), "{}", told.errors);
+                assert!(message.errors.contains(&expected), "{}", message.errors);
             } else {
-                assert!(told.errors.contains("are wrong"), "{}", told.errors);
+                assert!(message.errors.contains("are wrong"), "{}", message.errors);
             }
         };
         let ImageFile {
@@ -212,9 +216,9 @@ fn pictures_beyond_memory_are_refused() {
         shell.arg(raycast_tests::binary::path());
         shell.args(arguments!["render", asset("cube.obj"), "-o", &output]);
         shell.args(["--size", size, "--threads", "2"]).args(more);
-        let told = run(&mut shell);
-        assert_eq!(told.status, Some(1), "{name}: {}", told.errors);
-        let line = &told.errors;
+        let message = run(&mut shell);
+        assert_eq!(message.status, Some(1), "{name}: {}", message.errors);
+        let line = &message.errors;
         assert_eq!(line.lines().count(), 1, "{line}");
         for expected in [size, "GiB of memory", "ulimit -v", "would fit"] {
             assert!(line.contains(expected), "{expected}: {line}");
@@ -247,8 +251,8 @@ fn verify_renders_where_there_is_no_image_and_takes_fragments() {
     succeed(arguments!["verify", &part, &scene, "--checks", "2000"]);
     // From elsewhere it is not what the rays hit.
     let elsewhere = arguments!["verify", &part, &scene, "--orbit", "80,10"];
-    let told = run(&mut command(elsewhere));
-    assert_eq!(told.status, Some(1), "{}", told.errors);
+    let message = run(&mut command(elsewhere));
+    assert_eq!(message.status, Some(1), "{}", message.errors);
 }
 
 #[test]

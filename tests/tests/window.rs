@@ -9,6 +9,7 @@
 )]
 
 use raycast_tests::binary::{command, succeed};
+use raycast_tests::files::folder_with;
 use raycast_tests::models;
 use raycast_tests::screen::{Program, Screen, Shot, missing_programs};
 use serde_json::Value;
@@ -234,11 +235,7 @@ fn a_scene_is_put_together_saved_and_opened_again() {
     if !can_run() {
         return;
     }
-    let folder = tempfile::tempdir().expect("a folder for temporary files");
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
-    for name in ["cube.obj", "cube.mtl", "torus.obj", "torus.mtl"] {
-        std::fs::copy(assets.join(name), folder.path().join(name)).expect("copied");
-    }
+    let folder = folder_with(&["cube.obj", "cube.mtl", "torus.obj", "torus.mtl"]);
     let mut window = Window::open(&[folder.path().join("cube.obj")]);
     let is_picture = |shot: &Shot| shot.middle().colors() > 3;
     let cube = window.settled(is_picture);
@@ -303,11 +300,7 @@ fn a_handle_moves_the_marked_object_and_escape_gives_a_drag_up() {
     if !can_run() {
         return;
     }
-    let folder = tempfile::tempdir().expect("a folder for temporary files");
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
-    for name in ["cube.obj", "cube.mtl"] {
-        std::fs::copy(assets.join(name), folder.path().join(name)).expect("copied");
-    }
+    let folder = folder_with(&["cube.obj", "cube.mtl"]);
     let mut window = Window::open(&[folder.path().join("cube.obj")]);
     window.settled(|shot| shot.middle().colors() > 3);
     // From the front the cube's middle is in that of the picture: left of the panel, between menu and status.
@@ -363,11 +356,7 @@ fn a_sitting_leaves_its_outline_its_picture_and_a_scene_with_a_parent() {
     if !can_run() {
         return;
     }
-    let folder = tempfile::tempdir().expect("a folder for temporary files");
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
-    for name in ["cube.obj", "cube.mtl", "torus.obj", "torus.mtl"] {
-        std::fs::copy(assets.join(name), folder.path().join(name)).expect("copied");
-    }
+    let folder = folder_with(&["cube.obj", "cube.mtl", "torus.obj", "torus.mtl"]);
     let bad = folder.path().join("bad.obj");
     std::fs::write(&bad, "v 0 0 0\nf 1 2 x\n").expect("written");
     let files = ["cube.obj", "torus.obj"].map(|name| folder.path().join(name));

@@ -31,7 +31,7 @@ fn read_with(scene: &str, bytes: &[u8]) -> Result<Reading, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
+    use crate::fuzz::reading::seed;
 
     /// A seed that is refused leads nowhere.
     #[test]
@@ -43,8 +43,7 @@ mod tests {
             ("beside", 2),
             ("binary", 1),
         ] {
-            let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds/gltf");
-            let bytes = std::fs::read(seeds.join(name)).expect("a seed");
+            let bytes = seed("gltf", name);
             let scene = format!("[[object]]\nmesh = \"{NAME}\"\n");
             let file = read_with(&scene, &bytes).expect("fit messages");
             let file = file.unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -61,6 +61,7 @@ fn prepares_again(file: &SceneFile) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fuzz::reading::seed;
 
     /// A seed that is refused leads nowhere.
     #[test]
@@ -71,8 +72,7 @@ mod tests {
             ("scalars", 1),
             ("textured", 1),
         ] {
-            let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds/prepared");
-            let bytes = std::fs::read(seeds.join(name)).expect("a seed");
+            let bytes = seed("prepared", name);
             assert_eq!(signed(&bytes), bytes, "{name}: what is right stays");
             let files = |_: &str| Some(bytes.clone());
             let file = read(&format!("[[object]]\nmesh = \"{NAME}\"\n"), &files);

@@ -75,24 +75,24 @@ fn stages() -> &'static [Stage] {
 
 fn is_answered(stage: &Stage, ray: &Ray, cull: Cull) -> Result<(), String> {
     let hit = stage.accel.cast(ray, cull);
-    let told = |fault: &str| Err(format!("{fault}: {ray:?}, {cull:?}, answer {hit:?}"));
+    let message = |fault: &str| Err(format!("{fault}: {ray:?}, {cull:?}, answer {hit:?}"));
     let brute_force = stage.accel.cast_brute_force(ray, cull);
     if hit != brute_force {
-        return told(&format!("tree and brute force, {brute_force:?}, differ"));
+        return message(&format!("tree and brute force, {brute_force:?}, differ"));
     }
     if !ray.is_valid() {
-        return hit.map_or(Ok(()), |_| told("a hit of a ray that is none"));
+        return hit.map_or(Ok(()), |_| message("a hit of a ray that is none"));
     }
     let truth = stage.truth(ray, cull);
     if let Err(fault) = compare(hit.as_ref(), truth.as_ref()) {
-        return told(&format!("{fault}, the truth being {truth:?}"));
+        return message(&format!("{fault}, the truth being {truth:?}"));
     }
     let bytes = encode_hit(hit.as_ref());
     let is_miss = bytes[4..12] == [0xff; 8];
     if is_miss != hit.is_none()
         || f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]).is_nan()
     {
-        return told(&format!("written as {bytes:?}"));
+        return message(&format!("written as {bytes:?}"));
     }
     Ok(())
 }

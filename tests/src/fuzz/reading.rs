@@ -16,6 +16,13 @@ pub const LIBRARY: &str = "newmtl a\nKd 1 0.5 0\nmap_Kd t.ppm\nnewmtl b\nKd 0 0.
 /// A small image.
 pub const IMAGE: &str = "P3\n2 2\n255\n255 0 0 0 255 0 0 0 255 250 250 10\n";
 
+/// One of the files that a fuzzer starts with.
+#[cfg(test)]
+pub(super) fn seed(target: &str, name: &str) -> Vec<u8> {
+    let seeds = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds");
+    crate::files::bytes(&seeds.join(target).join(name))
+}
+
 /// Reads a scene whose files are `files`, by name.
 ///
 /// # Errors

@@ -66,7 +66,7 @@ pub fn archive(parts: &[(&str, &[u8])], compression: CompressionMethod) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
+    use crate::fuzz::reading::seed;
 
     /// A seed that is refused leads nowhere.
     #[test]
@@ -77,8 +77,7 @@ mod tests {
             ("archive", 4),
             ("archive_stored", 4),
         ] {
-            let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds/threemf");
-            let bytes = std::fs::read(seeds.join(name)).expect("a seed");
+            let bytes = seed("threemf", name);
             let file = file(&bytes).expect("an archive");
             let files = |_: &str| Some(file.clone());
             let scene = format!("[[object]]\nmesh = \"{NAME}\"\n");

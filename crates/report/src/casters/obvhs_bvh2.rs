@@ -16,7 +16,7 @@ pub(super) struct ObvhsBvh2 {
 }
 
 impl ObvhsBvh2 {
-    /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::of`].
+    /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::from_accel`].
     pub(super) fn new(accel: &Accel) -> Option<Self> {
         let unordered = Triangles::from_accel(accel)?;
         let bvh = build_bvh2_from_tris(

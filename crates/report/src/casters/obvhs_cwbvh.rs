@@ -17,7 +17,7 @@ pub(super) struct ObvhsCwBvh {
 }
 
 impl ObvhsCwBvh {
-    /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::of`].
+    /// Builds it with obvhs's medium preset. `None` if obvhs cannot build it: see [`Triangles::from_accel`].
     pub(super) fn new(accel: &Accel) -> Option<Self> {
         let unordered = Triangles::from_accel(accel)?;
         let bvh = build_cwbvh_from_tris(
