@@ -16,9 +16,9 @@ use std::time::Duration;
 /// A stage that asks and compares, and panics where an answer is not the truth.
 pub trait Check {
     /// A valid scene made ready.
-    fn staged(scene: Scene) -> Self;
+    fn from_scene(scene: Scene) -> Self;
     /// One object a mesh, each where its mesh is.
-    fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self;
+    fn from_meshes(meshes: impl IntoIterator<Item = Mesh>) -> Self;
     /// Casts a ray: through the tree, by brute force, and in truth. All must agree.
     fn check(&self, ray: &Ray, cull: Cull) -> Option<Truth>;
     /// As [`Stage::check`] without brute force, for large meshes.
@@ -37,12 +37,12 @@ pub trait Check {
 }
 
 impl Check for Stage {
-    fn staged(scene: Scene) -> Self {
+    fn from_scene(scene: Scene) -> Self {
         Self::new(scene).expect("a valid scene")
     }
 
-    fn of(meshes: impl IntoIterator<Item = Mesh>) -> Self {
-        Self::staged(scene_of(meshes))
+    fn from_meshes(meshes: impl IntoIterator<Item = Mesh>) -> Self {
+        Self::from_scene(scene_of(meshes))
     }
 
     fn check(&self, ray: &Ray, cull: Cull) -> Option<Truth> {

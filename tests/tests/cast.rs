@@ -62,7 +62,7 @@ fn assert_cast_is_exact(mesh: &Path, count: usize) {
     let folder = folder();
     let (rays_path, hits_path) = (folder.path().join("rays"), folder.path().join("hits"));
     let read = read_mesh(mesh, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
-    let stage = Stage::of([read]);
+    let stage = Stage::from_meshes([read]);
     let rays = random_rays(&stage, count);
     write_rays(&rays_path, &rays);
     succeed(arguments![

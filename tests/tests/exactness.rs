@@ -98,7 +98,8 @@ fn random_meshes_over_many_decades() {
         };
         let size = random.decade(-3.0, 0.0);
         let count = 1 + random.below(60);
-        let stage = Stage::of([meshes::random_soup(&mut random, count, middle, scale, size)]);
+        let stage =
+            Stage::from_meshes([meshes::random_soup(&mut random, count, middle, scale, size)]);
         if stage.accel.is_empty() {
             continue;
         }
@@ -114,7 +115,7 @@ fn random_meshes_over_many_decades() {
 #[test]
 fn directions_of_any_length() {
     let mut random = Random::new(12);
-    let stage = Stage::of([meshes::random_soup(&mut random, 60, DVec3::ZERO, 1.0, 0.5)]);
+    let stage = Stage::from_meshes([meshes::random_soup(&mut random, 60, DVec3::ZERO, 1.0, 0.5)]);
     let rays: Vec<Ray> = rays(12, 4000, &stage)
         .into_iter()
         .map(|ray| Ray {
@@ -128,14 +129,14 @@ fn directions_of_any_length() {
 
 #[test]
 fn height_field() {
-    let stage = Stage::of([meshes::integer_heights(64, 5)]);
+    let stage = Stage::from_meshes([meshes::integer_heights(64, 5)]);
     check("height field", &stage, 100_000, 50);
 }
 
 #[test]
 fn far_sphere() {
     let center = DVec3::new(148_376.0, 1234.0, -223_423.0);
-    let stage = Stage::of([meshes::sphere(center, 2.0, 60)]);
+    let stage = Stage::from_meshes([meshes::sphere(center, 2.0, 60)]);
     check("far sphere", &stage, 100_000, 50);
 }
 
@@ -163,7 +164,7 @@ fn several_objects_in_their_places() {
         .collect();
     // Two in the same place: the lower number shows.
     objects.push(objects[0].clone());
-    let stage = Stage::staged(Scene { objects });
+    let stage = Stage::from_scene(Scene { objects });
     check("several objects", &stage, 100_000, 25);
 }
 
@@ -180,7 +181,8 @@ fn pictures_of_random_meshes_over_many_decades() {
         };
         let size = random.decade(-2.0, 0.0);
         let count = 1 + random.below(400);
-        let stage = Stage::of([meshes::random_soup(&mut random, count, middle, scale, size)]);
+        let stage =
+            Stage::from_meshes([meshes::random_soup(&mut random, count, middle, scale, size)]);
         if stage.accel.is_empty() {
             continue;
         }
@@ -226,7 +228,7 @@ fn pictures_on_a_lattice() {
             _ => DVec3::new(65_536.0, 0.0, -1e6),
         };
         let moved: Vec<[DVec3; 3]> = corners.iter().map(|c| c.map(|p| p + shift)).collect();
-        let stage = Stage::of([meshes::soup(&moved)]);
+        let stage = Stage::from_meshes([meshes::soup(&moved)]);
         // Half a pixel aside, so that centres lie on multiples of an eighth at the target.
         let aside = shift + DVec3::new(1.0 / 16.0, -1.0 / 16.0, 0.0);
         for projection in PROJECTIONS {
@@ -255,7 +257,7 @@ fn a_mesh_at_rest_is_cast_at_as_stored() {
         meshes::sphere(DVec3::ZERO, 1.0, 12),
         meshes::sphere(far, 1.0, 12),
     ] {
-        let stage = Stage::of([mesh.clone()]);
+        let stage = Stage::from_meshes([mesh.clone()]);
         assert_eq!(stage.accel.len(), mesh.kept().len());
         for primitive in 0..stage.accel.len() as u32 {
             let (object, triangle) = stage.accel.identify(primitive);
@@ -281,14 +283,19 @@ fn demo_assets() {
         "torus.obj",
         "plinth.obj",
     ] {
-        check(name, &Stage::of([read(&folder.join(name))]), 10_000, 20);
+        check(
+            name,
+            &Stage::from_meshes([read(&folder.join(name))]),
+            10_000,
+            20,
+        );
     }
 }
 
 #[test]
 fn real_meshes() {
     for path in models::meshes() {
-        let stage = Stage::of([read(&path)]);
+        let stage = Stage::from_meshes([read(&path)]);
         let name = path
             .file_name()
             .expect("a file")

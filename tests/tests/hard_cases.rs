@@ -121,7 +121,7 @@ fn check_setting(case: &Case, variant: u32, setting: Setting, sum: &mut Sum) {
         must_hit,
         ..
     } = setting;
-    let stage = Stage::staged(scene);
+    let stage = Stage::from_scene(scene);
     let brute = BRUTE / case.variants as usize / stage.accel.len().max(1);
     let (few, many) = rays.split_at(brute.min(rays.len()));
     let hits = stage.check_all(few, cull) + stage.check_all_quickly(many, cull);
@@ -222,7 +222,7 @@ fn no_single_ray_leaves() {
         if !(setting.must_hit && setting.has_generator()) {
             continue;
         }
-        let stage = Stage::staged(setting.scene.clone());
+        let stage = Stage::from_scene(setting.scene.clone());
         let cull = setting.cull;
         let each = 10_000;
         let leaks: u64 = (0..count.div_ceil(each))
@@ -263,7 +263,7 @@ fn whole_distances_are_whole() {
         let case = cases::find(name).expect("a case in the list");
         let setting = (case.setting)(0);
         let rays = setting.rays(expected.len(), 1);
-        let stage = Stage::staged(setting.scene);
+        let stage = Stage::from_scene(setting.scene);
         let found = rays.iter().map(|ray| {
             let hit = stage.accel.cast(ray, Cull::None);
             hit.map(|hit| hit.t)
@@ -279,11 +279,11 @@ fn powers_of_two_change_nothing() {
     for plain in [0, 1] {
         let setting = (case.setting)(plain);
         let rays = setting.rays(500, 1);
-        let home = Stage::staged(setting.scene);
+        let home = Stage::from_scene(setting.scene);
         for variant in (plain + 2..case.variants).step_by(2) {
             let setting = (case.setting)(variant);
             let scaled_rays = setting.rays(500, 1);
-            let scaled = Stage::staged(setting.scene);
+            let scaled = Stage::from_scene(setting.scene);
             let scale = scaled_rays[0].origin.x / rays[0].origin.x;
             for (ray, there) in rays.iter().zip(&scaled_rays) {
                 assert_eq!(there.direction, ray.direction * scale);
@@ -304,7 +304,7 @@ fn powers_of_two_change_nothing() {
 /// Corners and camera are multiples of 2⁻²⁰, which a double holds at 1e7 too.
 #[test]
 fn ten_million_units_away_the_picture_is_the_same() {
-    let moved = |by: DVec3| Stage::of([cases::scale::moved_sphere(by)]);
+    let moved = |by: DVec3| Stage::from_meshes([cases::scale::moved_sphere(by)]);
     let home = moved(DVec3::ZERO);
     for by in [DVec3::new(1e7, 0.0, 0.0), DVec3::new(-1e7, 1e7, 1e7)] {
         let away = moved(by);
@@ -385,8 +385,8 @@ fn one_bad_vertex_takes_its_own_triangles_alone() {
         (160, 120),
         2.3,
     );
-    let broken = Stage::of([broken]).check_picture(camera, Cull::None, 2);
-    let others = Stage::of([others]).check_picture(camera, Cull::None, 2);
+    let broken = Stage::from_meshes([broken]).check_picture(camera, Cull::None, 2);
+    let others = Stage::from_meshes([others]).check_picture(camera, Cull::None, 2);
     assert!(broken.pixels == others.pixels);
     assert!(broken.layers.map(|l| l.triangle) == others.layers.map(|l| l.triangle));
 }
@@ -411,7 +411,7 @@ fn copies_of_one_triangle_build_and_the_first_shows() {
 
 #[test]
 fn culling_leaves_a_closed_mesh_as_it_is() {
-    let stage = Stage::of([meshes::sphere(DVec3::ZERO, 1.0, 60)]);
+    let stage = Stage::from_meshes([meshes::sphere(DVec3::ZERO, 1.0, 60)]);
     for projection in PROJECTIONS {
         let camera = camera(
             DVec3::new(2.0, 1.5, 2.5),

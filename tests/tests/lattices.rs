@@ -48,7 +48,7 @@ impl Tally {
 fn far_off_the_axis() {
     let mut tally = Tally::new("far off the axis");
     let mut random = Random::new(110);
-    let stage = Stage::of([
+    let stage = Stage::from_meshes([
         meshes::sphere(DVec3::ZERO, 1.0, 48),
         meshes::random_soup(&mut random, 200, DVec3::ZERO, 8.0, 0.3),
         meshes::cuboid(DVec3::splat(-30.0), DVec3::splat(30.0)),
@@ -86,7 +86,7 @@ fn far_off_the_axis() {
 fn lattices_of_every_size() {
     let mut tally = Tally::new("lattices of every size");
     let mut random = Random::new(111);
-    let stage = Stage::of([meshes::sphere(DVec3::ZERO, 1.0, 24)]);
+    let stage = Stage::from_meshes([meshes::sphere(DVec3::ZERO, 1.0, 24)]);
     let sizes = [0, 1, 2, 7, 8, 9, 15, 16, 17, 31, 63, 64, 65, 72, 127, 129];
     for projection in PROJECTIONS {
         let camera = camera(

@@ -17,7 +17,7 @@ fn stage() -> Stage {
     let mut random = Random::new(33);
     let soup = meshes::random_soup(&mut random, 600, DVec3::ZERO, 2.0, 0.4);
     let sphere = meshes::sphere(DVec3::new(0.3, 0.2, 0.5), 0.8, 30);
-    Stage::staged(scene_of([soup, sphere]))
+    Stage::from_scene(scene_of([soup, sphere]))
 }
 
 fn camera(projection: Projection, size: (u32, u32)) -> Camera {

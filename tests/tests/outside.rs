@@ -55,10 +55,11 @@ const BROKEN: [(&str, &str); 9] = [
 
 /// Files that the other program does not read: objects and triangles, counted by hand. Cubes, one without its
 /// last corner, in triangles and in lines, with indices and without.
-const BY_HAND: [(&str, usize, usize); 1] = [("glTF2/IncorrectVertexArrays/Cube.gltf", 8, 46)];
+const CHECKED_BY_HAND: [(&str, usize, usize); 1] =
+    [("glTF2/IncorrectVertexArrays/Cube.gltf", 8, 46)];
 
 /// Files of which not all is shown, and a part of the warning that says so.
-const PARTLY: [(&str, &str); 8] = [
+const PARTLY_SHOWN: [(&str, &str); 8] = [
     (
         "glTF2/AnimatedMorphCube/glTF/AnimatedMorphCube.gltf",
         "at rest: 1",
@@ -181,7 +182,7 @@ fn good_files_hold_what_other_programs_find_in_them() {
         }
         checked += 1;
     }
-    for (name, objects, triangles) in BY_HAND {
+    for (name, objects, triangles) in CHECKED_BY_HAND {
         let file = read(&folder.join(name)).scene;
         assert_eq!(
             (file.objects.len(), file.triangle_count()),
@@ -208,7 +209,7 @@ fn broken_files_are_refused_with_their_reason() {
 #[test]
 fn contents_that_are_not_shown_are_noted() {
     let Some(folder) = folder() else { return };
-    for (name, message) in PARTLY {
+    for (name, message) in PARTLY_SHOWN {
         let warnings = read(&folder.join(name)).warnings;
         assert!(
             warnings.iter().any(|line| line.contains(message)),
@@ -216,7 +217,7 @@ fn contents_that_are_not_shown_are_noted() {
         );
     }
     // The rest is shown whole.
-    let partly: BTreeSet<&str> = PARTLY.iter().map(|(file, _)| *file).collect();
+    let partly: BTreeSet<&str> = PARTLY_SHOWN.iter().map(|(file, _)| *file).collect();
     for Figures { file, .. } in figures() {
         let is_whole = !partly.contains(&*file) && BROKEN.iter().all(|(broken, _)| *broken != file);
         if is_whole {
@@ -235,7 +236,7 @@ fn every_file_is_accounted_for() {
         .iter()
         .map(|figures| &*figures.file)
         .chain(BROKEN.iter().map(|(file, _)| *file))
-        .chain(BY_HAND.iter().map(|(file, ..)| *file))
+        .chain(CHECKED_BY_HAND.iter().map(|(file, ..)| *file))
         .map(|file| folder.join(file))
         .collect();
     let mut found = Vec::new();

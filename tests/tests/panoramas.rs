@@ -34,7 +34,7 @@ fn stage() -> Stage {
         }
     });
     objects[0].texture = Texture::new(8, 8, texels.collect()).map(Arc::new);
-    Stage::staged(Scene { objects })
+    Stage::from_scene(Scene { objects })
 }
 
 /// The eye, and what it looks at.

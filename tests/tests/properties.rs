@@ -145,7 +145,7 @@ impl Shape {
             .iter()
             .map(|corners| corners.map(|i| (i % points.len()) as u32))
             .collect();
-        Stage::of([mesh(points, triangles)])
+        Stage::from_meshes([mesh(points, triangles)])
     }
 }
 
@@ -358,7 +358,7 @@ proptest! {
             .map(|(axis, number)| middle + axis * reach(number) * scale)
             .collect();
         let triangles = raycast_report::meshes::octahedron().triangles().to_vec();
-        let stage = Stage::of([mesh(corners.clone(), triangles)]);
+        let stage = Stage::from_meshes([mesh(corners.clone(), triangles)]);
         prop_assume!(stage.accel.len() == 8);
         let stored_middle_is_inside = corners.iter().all(|&corner| corner != middle);
         prop_assume!(stored_middle_is_inside);

@@ -84,7 +84,7 @@ fn ball_over_board() -> Stage {
         color: ColorRule::Uniform(Color([0x90, 0xa0, 0x70])),
         ..Object::new("board", Arc::new(board))
     };
-    Stage::staged(Scene {
+    Stage::from_scene(Scene {
         objects: vec![board, ball],
     })
 }
@@ -154,7 +154,7 @@ fn wireframe_with_samples() {
 
 #[test]
 fn normals_of_the_torus() {
-    let stage = Stage::staged(Scene {
+    let stage = Stage::from_scene(Scene {
         objects: vec![read("torus.obj")],
     });
     let (center, radius) = stage.scene.bounding_sphere();
@@ -174,7 +174,7 @@ fn texture_on_the_cube() {
         texture: Some(Arc::new(texture)),
         ..read("cube.obj")
     };
-    let stage = Stage::staged(Scene {
+    let stage = Stage::from_scene(Scene {
         objects: vec![cube],
     });
     let (center, radius) = stage.scene.bounding_sphere();
@@ -198,7 +198,7 @@ fn demo_scene() {
     let file = read_scene(&path, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
     let shading = file.shading.unwrap_or_default();
     let placed = file.camera.expect("the demo scene has a camera");
-    let stage = Stage::staged(file.scene);
+    let stage = Stage::from_scene(file.scene);
     let distance = (placed.placement.target - placed.placement.eye).length();
     let height = match placed.projection {
         Projection::Perspective | Projection::Panoramic(_) => {

@@ -43,7 +43,7 @@ fn stage() -> Stage {
         },
         ..Object::new("hills", Arc::new(meshes::integer_heights(32, 1)))
     };
-    Stage::staged(Scene {
+    Stage::from_scene(Scene {
         objects: vec![cube, sphere, hills],
     })
 }
@@ -389,7 +389,7 @@ fn whole(stage: &Stage, projection: Projection, size: (u32, u32)) -> Camera {
 #[test]
 fn every_mesh_matches_brute_force() {
     for path in demo_meshes().into_iter().chain(models::meshes()) {
-        let stage = Stage::of([read(&path)]);
+        let stage = Stage::from_meshes([read(&path)]);
         for projection in PROJECTIONS {
             let (columns, rows) = (240, 180);
             let camera = whole(&stage, projection, (columns, rows));
@@ -422,7 +422,7 @@ fn the_demo_scene_matches_the_oracle() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/demo.raycast.toml");
     let file = read_scene(&path, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
     let shading = file.shading.unwrap_or_default();
-    let stage = Stage::staged(file.scene);
+    let stage = Stage::from_scene(file.scene);
     let camera = whole(&stage, Projection::Perspective, (200, 150));
     stage.check_picture(camera, Cull::None, 2);
     let view = View {
@@ -448,7 +448,7 @@ fn the_demo_scene_matches_the_oracle() {
 #[test]
 fn the_numbers_are_the_same_on_every_machine() {
     let mut random = Random::new(29);
-    let stage = Stage::of([meshes::random_soup(
+    let stage = Stage::from_meshes([meshes::random_soup(
         &mut random,
         60,
         DVec3::new(5.0, -3.0, 2.0),

@@ -28,18 +28,19 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// As long as a person waits before trying again.
-const A_WHILE: Duration = Duration::from_secs(10);
+const SETTLE_TIME: Duration = Duration::from_secs(10);
 
 /// The window's sizes; the first is that of the screen, and of every rest.
 const SIZES: [(u32, u32); 3] = [(1280, 800), (900, 700), (640, 480)];
 
 /// The file that is shown at every rest.
-const REST: &str = "part.obj";
+const REST_FILE: &str = "part.obj";
 
 /// What makes glibc map all that is as large as 128 kB by itself, and give it back when it is
 /// freed. What it keeps for later otherwise (up to 64 MB an arena: mallopt(3), `M_TRIM_THRESHOLD`) is not
 /// lost, but hides what is.
-const GIVE_BACK: &str = "glibc.malloc.mmap_threshold=131072:glibc.malloc.trim_threshold=131072";
+const ALLOCATOR_OPTIONS: &str =
+    "glibc.malloc.mmap_threshold=131072:glibc.malloc.trim_threshold=131072";
 
 /// How much more memory may be resident at a late rest than at an early one, in kB.
 ///
@@ -63,11 +64,11 @@ impl Window {
         let screen = Screen::start(SIZES[0].0, SIZES[0].1);
         let home = tempfile::tempdir().expect("a folder for temporary files");
         let files = SoakFiles::new(home.path()).expect("files can be written");
-        let mut command = command(["view", REST, "--log", "log"]);
+        let mut command = command(["view", REST_FILE, "--log", "log"]);
         // No desktop's dialog may come up, here or where the person sits: a path is typed.
         command.current_dir(home.path()).env("PATH", "");
         command.env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/none");
-        command.env("GLIBC_TUNABLES", GIVE_BACK);
+        command.env("GLIBC_TUNABLES", ALLOCATOR_OPTIONS);
         let program = screen.start_program(&mut command, home.path());
         let mut window = Self {
             program,
@@ -88,7 +89,7 @@ impl Window {
         window.screen.xdotool(&["windowmove", &window.id, "0", "0"]);
         window.resize(SIZES[0]);
         window.screen.xdotool(&["windowfocus", &window.id]);
-        window.wait_for("a scene", |window| window.shows(REST).then_some(()));
+        window.wait_for("a scene", |window| window.shows(REST_FILE).then_some(()));
         window
     }
 
@@ -125,7 +126,7 @@ impl Window {
     /// Whether a file is shown before long: its name is in the title, its picture complete.
     fn shows(&mut self, name: &str) -> bool {
         let start = Instant::now();
-        while start.elapsed() < A_WHILE {
+        while start.elapsed() < SETTLE_TIME {
             if self.title().starts_with(name) {
                 self.settle();
                 return true;
@@ -295,7 +296,7 @@ impl Window {
         let path = self.home.path().join(&name);
         self.insist("a saved picture", "ctrl+e", &name, |_| {
             let start = Instant::now();
-            while !path.exists() && start.elapsed() < A_WHILE {
+            while !path.exists() && start.elapsed() < SETTLE_TIME {
                 std::thread::sleep(Duration::from_millis(20));
             }
             path.exists()
@@ -306,7 +307,9 @@ impl Window {
     /// Back to one file, one size, one mode; what the window has then, once nothing more goes on.
     fn rest(&mut self, expected: Option<Usage>) -> Usage {
         self.resize(SIZES[0]);
-        self.insist(REST, "ctrl+o", REST, |window| window.shows(REST));
+        self.insist(REST_FILE, "ctrl+o", REST_FILE, |window| {
+            window.shows(REST_FILE)
+        });
         self.keys(&["alt+3", "r"]);
         self.settle();
         // A thread that has told its news ends soon, and says so nowhere: look until it has.

@@ -23,7 +23,7 @@ fn stage() -> Stage {
     let mut random = Random::new(35);
     let soup = meshes::random_soup(&mut random, 600, DVec3::ZERO, 2.0, 0.4);
     let sphere = meshes::sphere(DVec3::new(0.3, 0.2, 0.5), 0.8, 30);
-    Stage::staged(scene_of([soup, sphere]))
+    Stage::from_scene(scene_of([soup, sphere]))
 }
 
 const ALL_AROUND: Projection = Projection::Panoramic(Panorama::Equirectangular);

@@ -48,7 +48,7 @@ fn splits_threads_and_instruction_sets_agree_with_every_projection_and_filter() 
             },
             ..Object::new("torus", Arc::clone(&mesh))
         };
-        let stage = Stage::staged(Scene {
+        let stage = Stage::from_scene(Scene {
             objects: vec![object],
         });
         let (center, radius) = stage.scene.bounding_sphere();

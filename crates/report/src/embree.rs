@@ -215,7 +215,7 @@ impl Embree {
             name: name.clone(),
             source,
         })?;
-        let functions = Functions::of(&library).map_err(|symbol| EmbreeError::Symbol {
+        let functions = Functions::load(&library).map_err(|symbol| EmbreeError::Symbol {
             name: name.clone(),
             symbol,
         })?;
@@ -384,7 +384,7 @@ impl Arguments {
 
 impl Functions {
     /// Finds all of them; otherwise the name of the first that is missing.
-    fn of(library: &Library) -> Result<Self, &'static str> {
+    fn load(library: &Library) -> Result<Self, &'static str> {
         fn find<F: Copy>(library: &Library, name: &'static str) -> Result<F, &'static str> {
             // SAFETY: each field's type is the C declaration of the function it is named after.
             unsafe { library.get::<F>(name.as_bytes()) }

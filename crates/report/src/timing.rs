@@ -19,7 +19,7 @@ pub struct Spread {
 
 impl Spread {
     /// Statistics of numbers in any order; zeros if there are none.
-    pub fn of(numbers: &[f64]) -> Self {
+    pub fn from_samples(numbers: &[f64]) -> Self {
         let middle = median(numbers);
         let distances: Vec<f64> = numbers
             .iter()
@@ -107,7 +107,10 @@ pub fn interleaved<'a>(
             done();
         }
     }
-    times.iter().map(|times| Spread::of(times)).collect()
+    times
+        .iter()
+        .map(|times| Spread::from_samples(times))
+        .collect()
 }
 
 #[cfg(test)]
@@ -120,7 +123,7 @@ mod tests {
         assert_eq!(median(&[]), 0.0);
         assert_eq!(median(&[5.0, 1.0, 3.0]), 3.0);
         assert_eq!(median(&[4.0, 1.0, 2.0, 9.0]), 3.0);
-        let spread = Spread::of(&[1.0, 2.0, 3.0, 4.0, 100.0]);
+        let spread = Spread::from_samples(&[1.0, 2.0, 3.0, 4.0, 100.0]);
         assert_eq!(
             (spread.median, spread.deviation, spread.count),
             (3.0, 1.0, 5)

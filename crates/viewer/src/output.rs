@@ -25,11 +25,11 @@
 //! A device or a pipe has none of this: it is written as the bytes come. So is the window's frame
 //! log, which is there to be read while it grows.
 
+mod file_identity;
 mod folder;
 mod journal;
 mod part_file;
 mod part_folder;
-mod place;
 mod signals;
 mod standard;
 mod target;

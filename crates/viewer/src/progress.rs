@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 /// The units of loading's progress: finer than a terminal can show.
-const SHARES: u64 = 1000;
+const BAR_STEPS: u64 = 1000;
 
 /// A bar for one stage after another. Its counts are atomic: workers add to them, and a thread of the bar's own
 /// draws.
@@ -39,13 +39,13 @@ impl TerminalProgress {
 
     /// Starts the stage of loading files.
     pub fn loading(&self) {
-        self.begin("loading", "{msg:>9} {bar:40} {percent:>3} %", SHARES);
+        self.begin("loading", "{msg:>9} {bar:40} {percent:>3} %", BAR_STEPS);
     }
 
     /// Sets the fraction that is loaded, 0 to 1.
     pub fn loaded(&self, share: f32) {
         self.bar
-            .set_position((f64::from(share) * SHARES as f64) as u64);
+            .set_position((f64::from(share) * BAR_STEPS as f64) as u64);
     }
 
     /// Starts the stage of building the tree, whose progress is unknown.

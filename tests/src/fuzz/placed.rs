@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Of more objects than this nothing is drawn: that takes longer than a fuzzer waits.
-const MOST: usize = 4096;
+const MAX_OBJECTS: usize = 4096;
 
 /// Whether all meshes are sound, and the scene, saved and read again, is the same to the last bit.
 ///
@@ -20,7 +20,7 @@ pub fn is_placed_soundly(
     read: impl Fn(&str) -> Result<Reading, String>,
 ) -> Result<(), String> {
     let objects = &file.scene.objects;
-    if objects.len() > MOST {
+    if objects.len() > MAX_OBJECTS {
         return Ok(());
     }
     let mut last: Option<&Arc<Mesh>> = None;

@@ -48,23 +48,23 @@ fn stages() -> &'static [Stage] {
         ];
         let [a, b, c, d] = quad;
         vec![
-            Stage::of([meshes::octahedron()]),
-            Stage::of([meshes::cuboid(DVec3::NEG_ONE, DVec3::ONE)]),
+            Stage::from_meshes([meshes::octahedron()]),
+            Stage::from_meshes([meshes::cuboid(DVec3::NEG_ONE, DVec3::ONE)]),
             // Twice the same, once seen from behind.
-            Stage::of([meshes::soup(&[[a, b, c], [a, c, d], [a, c, b], [a, d, c]])]),
-            Stage::of([meshes::integer_heights(6, 1)]),
-            Stage::of([meshes::sphere(at(148_376.0, 1234.0, -223_423.0), 2.0, 8)]),
+            Stage::from_meshes([meshes::soup(&[[a, b, c], [a, c, d], [a, c, b], [a, d, c]])]),
+            Stage::from_meshes([meshes::integer_heights(6, 1)]),
+            Stage::from_meshes([meshes::sphere(at(148_376.0, 1234.0, -223_423.0), 2.0, 8)]),
             // Small on large.
-            Stage::of([
+            Stage::from_meshes([
                 meshes::cuboid(at(-1e6, -1e6, -1.0), at(1e6, 1e6, 0.0)),
                 meshes::sphere(at(0.25, 0.5, 0.01), 0.01, 6),
             ]),
-            Stage::of([meshes::cuboid(
+            Stage::from_meshes([meshes::cuboid(
                 at(-5.89e11, -5.89e11, 0.0),
                 at(5.89e11, 5.89e11, 12e4),
             )]),
             // Slivers, and one whose numbers are hardly any more.
-            Stage::of([meshes::soup(&[
+            Stage::from_meshes([meshes::soup(&[
                 [at(0., 0., 0.), at(1., 1e-7, 0.), at(2., 3e-7, 1e-7)],
                 [at(0., 0., 0.), at(1e-20, 0., 1e-20), at(0., 1e-20, 0.)],
                 [at(-1e18, -1e18, 1.), at(1e18, -1e18, 1.), at(0., 1e18, 1.)],

@@ -178,7 +178,7 @@ mod tests {
         AQEABj8CH//EABkQAAMAAwAAAAAAAAAAAAAAAAABERAgIf/aAAgBAQABPyFMvS6N3FP/2gAIAQEAAAAQxf8A/8QA\
         GhAAAwEBAQEAAAAAAAAAAAAAABEhAWExQf/aAAgBAQABPxCHToJ9w8bNMoxIxymIf//Z";
 
-    fn fault_of(bytes: &[u8]) -> Option<String> {
+    fn fault(bytes: &[u8]) -> Option<String> {
         outline(bytes).err()
     }
 
@@ -259,14 +259,10 @@ mod tests {
     fn a_cut_file_is_known_by_its_missing_end() {
         for grey in [false, true] {
             let whole = jpeg(40, grey);
-            assert_eq!(fault_of(&whole), None);
-            assert_eq!(fault_of(&[&whole[..], b"a trailer"].concat()), None);
+            assert_eq!(fault(&whole), None);
+            assert_eq!(fault(&[&whole[..], b"a trailer"].concat()), None);
             for end in 2..whole.len() {
-                assert!(
-                    fault_of(&whole[..end]).is_some(),
-                    "{end} of {}",
-                    whole.len()
-                );
+                assert!(fault(&whole[..end]).is_some(), "{end} of {}", whole.len());
             }
         }
     }
@@ -282,7 +278,7 @@ mod tests {
             let side = 16_000u16.to_be_bytes();
             bytes[frame + 5..frame + 7].copy_from_slice(&side);
             bytes[frame + 7..frame + 9].copy_from_slice(&side);
-            let message = fault_of(&bytes).expect("a fault");
+            let message = fault(&bytes).expect("a fault");
             assert!(message.contains("claims 16000x16000 pixels"), "{message}");
         }
         // One grey block of a single colour is the smallest possible.
@@ -290,13 +286,13 @@ mod tests {
         image::codecs::jpeg::JpegEncoder::new_with_quality(&mut flat, 1)
             .encode(&[128; 256 * 256], 256, 256, image::ExtendedColorType::L8)
             .expect("an image can be encoded");
-        assert_eq!(fault_of(&flat), None);
+        assert_eq!(fault(&flat), None);
     }
 
     #[test]
     fn files_without_jpeg_markers_are_left_to_the_decoder() {
-        assert_eq!(fault_of(b"\x89PNG"), None);
-        assert_eq!(fault_of(b""), None);
-        assert!(fault_of(b"\xff\xd8").is_some());
+        assert_eq!(fault(b"\x89PNG"), None);
+        assert_eq!(fault(b""), None);
+        assert!(fault(b"\xff\xd8").is_some());
     }
 }

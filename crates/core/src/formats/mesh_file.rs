@@ -19,7 +19,7 @@ use std::sync::Arc;
 const WARNING_LIMIT: usize = 32;
 
 /// The fraction of reading a compressed file that is decompression, for progress.
-const UNPACKING: f32 = 0.5;
+const UNPACKING_SHARE: f32 = 0.5;
 
 /// The contents of a mesh file.
 #[derive(Debug)]
@@ -102,12 +102,18 @@ pub(super) fn read(
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
-    let unpacked = unpack(path, bytes, budget, &|share| progress(share * UNPACKING))?;
+    let unpacked = unpack(path, bytes, budget, &|share| {
+        progress(share * UNPACKING_SHARE)
+    })?;
     let (bytes, packing) = match &unpacked {
         Some((contents, packing)) => (&**contents, Some(*packing)),
         None => (bytes, None),
     };
-    let start = if packing.is_some() { UNPACKING } else { 0.0 };
+    let start = if packing.is_some() {
+        UNPACKING_SHARE
+    } else {
+        0.0
+    };
     let progress: Progress<'_> = &|share| progress(start + share * (1.0 - start));
     let unpacked_from =
         packing.map(|packing| format!("unpacked from {packing}: {} bytes", bytes.len()));

@@ -69,7 +69,7 @@ use std::sync::Arc;
 pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 
 /// The fraction of a mesh file's progress that reading its bytes takes; parsing takes the rest.
-const READING: f32 = 0.2;
+const READING_SHARE: f32 = 0.2;
 
 /// Reads a mesh file. The format is recognised by content where possible, otherwise by extension.
 ///
@@ -85,10 +85,12 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     let read = match read_prepared(path, &disk, progress) {
         Some(read) => read?,
         None => {
-            let contents = disk.read(path, NamedBy::Person, &|share| progress(share * READING))?;
+            let contents = disk.read(path, NamedBy::Person, &|share| {
+                progress(share * READING_SHARE)
+            })?;
             let up_axis = budget.limits().up_axis;
             mesh_file::read(path, &contents, &disk, up_axis, &|share| {
-                progress(READING + share * (1.0 - READING));
+                progress(READING_SHARE + share * (1.0 - READING_SHARE));
             })?
         }
     };
@@ -155,8 +157,10 @@ pub fn read_scene_within(
     let read = match read_prepared(path, &disk, progress) {
         Some(read) => read?,
         None => {
-            let contents = disk.read(path, NamedBy::Person, &|share| progress(share * READING))?;
-            let rest = |share: f32| progress(READING + share * (1.0 - READING));
+            let contents = disk.read(path, NamedBy::Person, &|share| {
+                progress(share * READING_SHARE)
+            })?;
+            let rest = |share: f32| progress(READING_SHARE + share * (1.0 - READING_SHARE));
             if kind::is_scene(path, &contents) {
                 return scene_read::read(path, &contents, &disk, &rest);
             }

@@ -42,7 +42,7 @@ impl Vertices {
     #[inline]
     pub(super) fn number(&mut self, position: DVec3) -> u32 {
         let (position, hash) = self.hashed(position);
-        self.number_of(position, hash)
+        self.number_with_hash(position, hash)
     }
 
     /// The numbers of many vertices, in order.
@@ -61,7 +61,7 @@ impl Vertices {
             numbers.extend(
                 block
                     .iter()
-                    .map(|&(position, hash)| self.number_of(position, hash)),
+                    .map(|&(position, hash)| self.number_with_hash(position, hash)),
             );
         }
     }
@@ -75,7 +75,7 @@ impl Vertices {
     }
 
     #[inline]
-    fn number_of(&mut self, position: DVec3, hash: u64) -> u32 {
+    fn number_with_hash(&mut self, position: DVec3, hash: u64) -> u32 {
         let key = bits(position);
         let recent = self.recent[hash as usize % RECENT];
         if self

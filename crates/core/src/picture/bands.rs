@@ -2,7 +2,7 @@
 
 use super::band::{Band, BandSizes, Source, length};
 use super::file::Tags;
-use super::place::Place;
+use super::fragment_position::FragmentPosition;
 use super::{Format, ImageError, OutOfMemory, Picture, Recipe, exr, opaque, png_bands, ppm, tiff};
 use crate::camera::Rect;
 
@@ -85,7 +85,7 @@ impl Bands {
     ) -> Result<Self, ImageError> {
         let tags = Tags {
             recipe,
-            place: None,
+            position: None,
         };
         Self::tagged(format, size, is_opaque, tags)
     }
@@ -107,10 +107,12 @@ impl Bands {
             Format::Ppm => Kind::Ppm,
             Format::Tiff => Kind::Tiff(tiff::Banded::new(size, is_opaque, tags.recipe)?),
             Format::Exr => {
-                let whole = tags.place.map_or(size, |place: &Place| place.full_size);
+                let whole = tags
+                    .position
+                    .map_or(size, |position: &FragmentPosition| position.full_size);
                 let pixels = u64::from(whole.0) * u64::from(whole.1);
                 // Sizes up to this one are encoded whole, and their bytes must stay what they were.
-                let is_tiled = pixels > WHOLE_PNG && tags.place.is_none();
+                let is_tiled = pixels > WHOLE_PNG && tags.position.is_none();
                 Kind::Exr(Box::new(exr::Banded::new(size, is_tiled, tags)?))
             }
             Format::Jpeg => return Err(ImageError::Encode(NOT_BANDED.to_owned())),

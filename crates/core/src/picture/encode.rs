@@ -23,7 +23,7 @@ impl Picture {
         self.check()?;
         let tags = Tags {
             recipe,
-            place: None,
+            position: None,
         };
         match format {
             Format::Png if !format.is_banded(self.width, self.height) => png::encode(self, tags),

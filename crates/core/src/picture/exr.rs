@@ -64,15 +64,15 @@ impl Banded {
             let recipe = text(recipe.to_string());
             shared.other.insert(Text::from(RECIPE), recipe);
         }
-        if let Some(place) = tags.place {
+        if let Some(position) = tags.position {
             // Fragment and recipe share one attribute list whose order would follow the crate's hash map, so only one
             // of them is stored there.
-            let fragment = text(place.to_string());
+            let fragment = text(position.to_string());
             attributes.other.insert(Text::from(FRAGMENT), fragment);
-            let (columns, rows) = place.full_size;
+            let (columns, rows) = position.full_size;
             shared.display_window =
                 IntegerBounds::from_dimensions(Vec2(columns as usize, rows as usize));
-            attributes.layer_position = Vec2(place.rect.x as i32, place.rect.y as i32);
+            attributes.layer_position = Vec2(position.rect.x as i32, position.rect.y as i32);
         }
         let channel = |(name, kind)| ChannelDescription::named(name, kind);
         let floats = FLOATS.map(|name| (name, SampleType::F32));

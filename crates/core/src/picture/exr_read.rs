@@ -1,9 +1,9 @@
 //! Reading the OpenEXR that [`exr`](super::exr) writes, by the `exr` crate.
 
 use super::exr::{FLOATS, FRAGMENT, INTEGERS, PIXEL_BYTES, RECIPE};
+use super::fragment_position::FragmentPosition;
 use super::image::DECODED_LIMIT;
-use super::place::Place;
-use super::png::{MOST_EXPANSION, too_many};
+use super::png::{MAX_EXPANSION, too_many};
 use super::{ImageError, ImageFile, Picture, Recipe};
 use crate::camera::{Rect, SIDE_LIMIT};
 use crate::shade;
@@ -67,8 +67,8 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     /// A fragment's position; `None` for a whole picture.
-    pub(super) fn place(&self) -> Result<Option<Place>, ImageError> {
-        place(self.header())
+    pub(super) fn position(&self) -> Result<Option<FragmentPosition>, ImageError> {
+        position(self.header())
     }
 
     /// The next rows; the file must have them.
@@ -189,9 +189,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     if u64::from(columns) * u64::from(rows) > DECODED_LIMIT {
         return Err(too_many());
     }
-    let (recipe, place) = (reader.recipe()?, reader.place()?);
+    let (recipe, position) = (reader.recipe()?, reader.position()?);
     let picture = reader.rows(rows)?;
-    ImageFile::checked(picture, recipe, place)
+    ImageFile::checked(picture, recipe, position)
 }
 
 /// Refuses a header without RayCast's channels, or with more pixels than a file of `length` bytes can hold, before
@@ -217,7 +217,7 @@ fn check(header: &Header, length: u64) -> Result<(), ImageError> {
     let is_side = |side: usize| (1..=SIDE_LIMIT as usize).contains(&side);
     if !is_side(width)
         || !is_side(height)
-        || pixels * PIXEL_BYTES > length.saturating_mul(MOST_EXPANSION)
+        || pixels * PIXEL_BYTES > length.saturating_mul(MAX_EXPANSION)
     {
         return Err(too_many());
     }
@@ -264,23 +264,23 @@ fn text(header: &Header, name: &str) -> Result<Option<String>, ImageError> {
 }
 
 /// A fragment's position, which must be that of the data window in the display window.
-fn place(header: &Header) -> Result<Option<Place>, ImageError> {
-    let Some(place) = text(header, FRAGMENT)? else {
+fn position(header: &Header) -> Result<Option<FragmentPosition>, ImageError> {
+    let Some(position) = text(header, FRAGMENT)? else {
         return Ok(None);
     };
-    let place: Place = place.parse()?;
+    let position: FragmentPosition = position.parse()?;
     let window = header.shared_attributes.display_window;
-    let (columns, rows) = place.full_size;
+    let (columns, rows) = position.full_size;
     let Vec2(x, y) = header.own_attributes.layer_position;
     let agrees = window.position == Vec2(0, 0)
         && window.size == Vec2(columns as usize, rows as usize)
-        && (i64::from(x), i64::from(y)) == (place.rect.x.into(), place.rect.y.into());
+        && (i64::from(x), i64::from(y)) == (position.rect.x.into(), position.rect.y.into());
     if !agrees {
         return Err(ImageError::Decode(
             "its windows are not at the place that it tells".to_owned(),
         ));
     }
-    Ok(Some(place))
+    Ok(Some(position))
 }
 
 #[cfg(test)]

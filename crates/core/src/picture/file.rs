@@ -1,4 +1,4 @@
-use super::place::Place;
+use super::fragment_position::FragmentPosition;
 use super::{ImageError, Picture, Recipe};
 use crate::camera::Rect;
 
@@ -8,7 +8,7 @@ pub(super) struct Tags<'a> {
     /// The picture's recipe.
     pub(super) recipe: Option<&'a Recipe>,
     /// A fragment's position.
-    pub(super) place: Option<&'a Place>,
+    pub(super) position: Option<&'a FragmentPosition>,
 }
 
 /// The contents of one of RayCast's PNG or EXR files, a whole picture or a fragment.
@@ -19,7 +19,7 @@ pub struct ImageFile {
     /// The picture's recipe, where the file stores it.
     pub recipe: Option<Recipe>,
     /// A fragment's position.
-    pub(super) place: Option<Place>,
+    pub(super) position: Option<FragmentPosition>,
 }
 
 impl ImageFile {
@@ -27,16 +27,16 @@ impl ImageFile {
     pub(super) fn checked(
         picture: Picture,
         recipe: Option<Recipe>,
-        place: Option<Place>,
+        position: Option<FragmentPosition>,
     ) -> Result<Self, ImageError> {
-        if let Some(place) = &place {
-            place.check(&picture).map_err(ImageError::Decode)?;
-            if recipe.is_none_or(|recipe| recipe.digest() != place.recipe) {
+        if let Some(position) = &position {
+            position.check(&picture).map_err(ImageError::Decode)?;
+            if recipe.is_none_or(|recipe| recipe.digest() != position.recipe) {
                 return Err(ImageError::Decode(
                     "it does not tell what it was made of as it was written".to_owned(),
                 ));
             }
-            if picture.digest() != place.pixels {
+            if picture.digest() != position.pixels {
                 return Err(ImageError::Decode(
                     "its pixels are not those that were written: their checksum is another"
                         .to_owned(),
@@ -46,14 +46,14 @@ impl ImageFile {
         Ok(Self {
             picture,
             recipe,
-            place,
+            position,
         })
     }
 
     /// Columns and rows of the full picture, also for a fragment.
     pub fn full_size(&self) -> (u32, u32) {
         let own = (self.picture.width, self.picture.height);
-        self.place.map_or(own, |place| place.full_size)
+        self.position.map_or(own, |position| position.full_size)
     }
 
     /// The rectangle of the pixels in the full picture.
@@ -64,6 +64,6 @@ impl ImageFile {
             width: self.picture.width,
             height: self.picture.height,
         };
-        self.place.map_or(whole, |place| place.rect)
+        self.position.map_or(whole, |position| position.rect)
     }
 }

@@ -1,5 +1,5 @@
 use super::file::Tags;
-use super::place::{Place, check_place};
+use super::fragment_position::{FragmentPosition, check_rect};
 use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, bands, png};
 use crate::camera::Rect;
 use crate::digest::Digest;
@@ -84,7 +84,7 @@ impl Fragment {
     /// Other formats, which cannot store fragments; a rectangle outside the full picture; errors of the encoder.
     pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
         self.picture.check()?;
-        let place = Place {
+        let position = FragmentPosition {
             full_size: self.full_size(),
             rect: self.rect,
             recipe: self.recipe.digest(),
@@ -94,10 +94,10 @@ impl Fragment {
                 _ => self.picture.digest(),
             },
         };
-        place.check(&self.picture).map_err(ImageError::Encode)?;
+        position.check(&self.picture).map_err(ImageError::Encode)?;
         let tags = Tags {
             recipe: Some(&self.recipe),
-            place: Some(&place),
+            position: Some(&position),
         };
         match format {
             Format::Png => png::encode(&self.picture, tags),
@@ -118,15 +118,15 @@ impl Fragment {
         let ImageFile {
             picture,
             recipe,
-            place,
+            position,
         } = ImageFile::decode(bytes).map_err(|error| not_a_fragment(error.to_string()))?;
-        let (Some(place), Some(recipe)) = (place, recipe) else {
+        let (Some(position), Some(recipe)) = (position, recipe) else {
             return Err(not_a_fragment(
                 "it does not tell its place in a larger picture".to_owned(),
             ));
         };
         let fragment = Self {
-            rect: place.rect,
+            rect: position.rect,
             recipe,
             picture,
         };
@@ -136,7 +136,7 @@ impl Fragment {
 
     /// Whether it lies inside its full picture.
     pub(super) fn check_place(&self) -> Result<(), String> {
-        check_place(self.full_size(), self.rect, &self.picture)
+        check_rect(self.full_size(), self.rect, &self.picture)
     }
 
     /// Columns and rows of the full picture.
@@ -294,7 +294,7 @@ pub(super) mod tests {
         ];
         for change in changes {
             let fragment = &parts[1].1;
-            let place = Place {
+            let position = FragmentPosition {
                 full_size: fragment.full_size(),
                 rect: fragment.rect,
                 recipe: fragment.recipe.digest(),
@@ -304,7 +304,7 @@ pub(super) mod tests {
             change(picture.layers.as_mut().expect("layers"));
             let tags = Tags {
                 recipe: Some(&fragment.recipe),
-                place: Some(&place),
+                position: Some(&position),
             };
             let bytes = bands::encode(&picture, Format::Exr, tags).expect("encodes");
             let error = Fragment::decode("part", &bytes).expect_err("it was repainted");
@@ -403,7 +403,7 @@ pub(super) mod tests {
             let fragment = fragments(&whole, three_by_two(), format).remove(0).1;
             let mut other = fragment.recipe;
             other.shading.mode = Mode::Flat;
-            let place = Place {
+            let position = FragmentPosition {
                 full_size: fragment.full_size(),
                 rect: fragment.rect,
                 recipe: fragment.recipe.digest(),
@@ -411,7 +411,7 @@ pub(super) mod tests {
             };
             let tags = Tags {
                 recipe: Some(&other),
-                place: Some(&place),
+                position: Some(&position),
             };
             let bytes = match format {
                 Format::Png => png::encode(&fragment.picture, tags),
@@ -448,7 +448,7 @@ pub(super) mod tests {
 
     #[test]
     fn positions_parse_to_themselves() {
-        let place = Place {
+        let position = FragmentPosition {
             full_size: (65_536, 1),
             rect: Rect {
                 x: 1,
@@ -459,20 +459,20 @@ pub(super) mod tests {
             recipe: Digest::of(b"a recipe"),
             pixels: Digest::of(b"pixels"),
         };
-        let again: Place = place.to_string().parse().expect("a place");
-        assert_eq!(again, place);
+        let again: FragmentPosition = position.to_string().parse().expect("a position");
+        assert_eq!(again, position);
         for bad in [
             "",
             "full 1 2",
             "full 1 2 rect 0 0 1 1 recipe 0 pixels 0",
-            &place.to_string().replace("full ", "full -"),
-            &format!("{place} "),
-            &format!("{} check {}", place.words(), Digest::of(b"")),
-            &place.words(),
+            &position.to_string().replace("full ", "full -"),
+            &format!("{position} "),
+            &format!("{} check {}", position.text(), Digest::of(b"")),
+            &position.text(),
             // The text that was written before fragments had recipes.
             "full 1 2 rect 0 0 1 1 view 0123456789abcdef",
         ] {
-            assert!(bad.parse::<Place>().is_err(), "{bad}");
+            assert!(bad.parse::<FragmentPosition>().is_err(), "{bad}");
         }
     }
 }

@@ -73,7 +73,7 @@ impl Layers {
     }
 
     /// The length of each layer.
-    pub(super) fn counts(&self) -> [usize; 6] {
+    pub(super) fn lengths(&self) -> [usize; 6] {
         [
             self.color.len(),
             self.depth.len(),
@@ -105,7 +105,7 @@ impl Picture {
         let layers_agree = self
             .layers
             .as_ref()
-            .is_none_or(|layers| layers.counts().iter().all(|&count| count == pixels));
+            .is_none_or(|layers| layers.lengths().iter().all(|&count| count == pixels));
         if pixels == 0 {
             Err(ImageError::Encode("it has no pixels".to_owned()))
         } else if self.pixels.len() != pixels || !layers_agree {
@@ -215,7 +215,7 @@ impl Picture {
             && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
         let counts_agree = pixels.len() == rect.area()
             && layers
-                .is_none_or(|layers| layers.counts().iter().all(|&count| count == rect.area()));
+                .is_none_or(|layers| layers.lengths().iter().all(|&count| count == rect.area()));
         if !fits || !counts_agree {
             return false;
         }

@@ -2,8 +2,8 @@
 
 use super::buffers::reserved;
 use super::file::Tags;
+use super::fragment_position::FragmentPosition;
 use super::image::DECODED_LIMIT;
-use super::place::Place;
 use super::{ImageError, ImageFile, Picture, Recipe, xmp};
 use ::png::{
     BitDepth, ColorType, Compression, DecodeOptions, Decoder, Encoder, Limits, SrgbRenderingIntent,
@@ -18,7 +18,7 @@ const RECIPE: &str = "raycast-recipe";
 
 /// No deflate stream expands to more than 1032 times its length (RFC 1951: 258 bytes of a match
 /// take two bits at least).
-pub(super) const MOST_EXPANSION: u64 = 1032;
+pub(super) const MAX_EXPANSION: u64 = 1032;
 
 /// An encoder of pixels with or without alpha, and with a text chunk for each tag.
 pub(super) fn encoder<'a>(
@@ -36,7 +36,7 @@ pub(super) fn encoder<'a>(
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    if let (Some(recipe), None) = (tags.recipe, tags.place)
+    if let (Some(recipe), None) = (tags.recipe, tags.position)
         && let Some(packet) = xmp::packet(recipe)
     {
         encoder
@@ -45,7 +45,7 @@ pub(super) fn encoder<'a>(
     }
     let texts = [
         (RECIPE, tags.recipe.map(Recipe::to_string)),
-        (FRAGMENT, tags.place.map(Place::to_string)),
+        (FRAGMENT, tags.position.map(FragmentPosition::to_string)),
     ];
     for (keyword, text) in texts {
         if let Some(text) = text {
@@ -103,7 +103,7 @@ impl<R: BufRead + Seek> Reader<R> {
         let info = decoder.read_header_info().map_err(damaged)?;
         let pixels = u64::from(info.width) * u64::from(info.height);
         // Checked before memory is allocated for them.
-        if pixels > length.saturating_mul(MOST_EXPANSION) {
+        if pixels > length.saturating_mul(MAX_EXPANSION) {
             return Err(too_many());
         }
         let reader = decoder.read_info().map_err(damaged)?;
@@ -129,7 +129,7 @@ impl<R: BufRead + Seek> Reader<R> {
     }
 
     /// A fragment's position; `None` for a whole picture.
-    pub(super) fn place(&self) -> Result<Option<Place>, ImageError> {
+    pub(super) fn position(&self) -> Result<Option<FragmentPosition>, ImageError> {
         self.text(FRAGMENT).map(str::parse).transpose()
     }
 
@@ -187,7 +187,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, ImageError> {
     }
     let picture = reader.rows(rows)?;
     reader.finish()?;
-    ImageFile::checked(picture, reader.recipe()?, reader.place()?)
+    ImageFile::checked(picture, reader.recipe()?, reader.position()?)
 }
 
 #[cfg(test)]
@@ -212,7 +212,7 @@ mod tests {
             let bytes = picture.encode(Format::Png).expect("encodes");
             assert_eq!(bytes, picture.encode(Format::Png).expect("encodes"));
             let file = decode(&bytes).expect("decodes");
-            assert_eq!((file.recipe, file.place), (None, None));
+            assert_eq!((file.recipe, file.position), (None, None));
             assert_eq!(file.picture, picture);
             // The truth is another decoder.
             let other = image::load_from_memory(&bytes).expect("decodes").to_rgba8();

@@ -20,7 +20,7 @@ pub(super) struct Banded {
 
 /// Bytes of rows between restarts (at least one row). A restart forgets the preceding 32 KiB; with smaller values
 /// that costs compression, with larger ones a band has too few parts for all threads.
-const RESTART: usize = 1 << 20;
+const RESTART_BYTES: usize = 1 << 20;
 
 impl Banded {
     pub(super) fn new(
@@ -61,7 +61,7 @@ impl Banded {
 
     /// The chunk of a band's rows.
     pub(super) fn encode(&self, source: Source<'_>) -> Result<Band, ImageError> {
-        let rows = (RESTART / self.row_bytes()).max(1);
+        let rows = (RESTART_BYTES / self.row_bytes()).max(1);
         let starts: Vec<u32> = (source.rect.y..source.rect.bottom())
             .step_by(rows)
             .collect();
@@ -74,9 +74,9 @@ impl Banded {
                 Ok((deflated(&filtered)?, check, filtered.len() as u64))
             })
             .collect::<Result<_, ImageError>>()?;
-        let check = pieces
-            .iter()
-            .fold(1, |sum, &(_, check, length)| joined(sum, check, length));
+        let check = pieces.iter().fold(1, |sum, &(_, check, length)| {
+            combined_adler32(sum, check, length)
+        });
         let data: Vec<u8> = pieces.into_iter().flat_map(|(bytes, ..)| bytes).collect();
         let bytes = chunk(*b"IDAT", &data);
         let parts = vec![length(&bytes)?];
@@ -113,7 +113,9 @@ impl Banded {
         &self,
         bands: impl Iterator<Item = (u32, u64)>,
     ) -> Result<Vec<u8>, ImageError> {
-        let check = bands.fold(1, |sum, (check, length)| joined(sum, check, length));
+        let check = bands.fold(1, |sum, (check, length)| {
+            combined_adler32(sum, check, length)
+        });
         // A last, empty block of fixed codes.
         let mut end = vec![0x03, 0x00];
         end.extend(check.to_be_bytes());
@@ -161,7 +163,7 @@ fn deflated(bytes: &[u8]) -> Result<Vec<u8>, ImageError> {
 
 /// The Adler-32 of two concatenated sequences, from their checksums and the second one's length (RFC 1950: a is one
 /// plus the sum of all bytes, b is the sum of all values of a, both modulo 65521).
-fn joined(first: u32, second: u32, length: u64) -> u32 {
+fn combined_adler32(first: u32, second: u32, length: u64) -> u32 {
     const MODULUS: u64 = 65_521;
     let parts = |check: u32| (u64::from(check & 0xffff), u64::from(check >> 16));
     let ((a, b), (c, d)) = (parts(first), parts(second));

@@ -1,10 +1,11 @@
 //! A recipe's text: a line for each key.
 
 use super::recipe_values::{
-    BACKGROUND, SCALE, STEREO, WIREFRAME, background_of, background_text, color_of, cull_of,
-    cull_word, filter_of, filter_word, float, lights_of, lights_word, list_of, mode_of, mode_word,
-    precision_of, precision_word, scale_of, scale_text, stereo_of, stereo_text,
-    texture_projection_of, texture_projection_word, unquoted, vector, wireframe_of, wireframe_text,
+    BACKGROUND, SCALE, STEREO, WIREFRAME, background_text, cull_word, filter_word, float,
+    lights_word, mode_word, parse_background, parse_color, parse_cull, parse_filter, parse_lights,
+    parse_list, parse_mode, parse_precision, parse_scale, parse_stereo, parse_texture_projection,
+    parse_wireframe, precision_word, scale_text, stereo_text, texture_projection_word, unquoted,
+    vector, wireframe_text,
 };
 use super::{ImageError, Recipe};
 use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Placement, Projection};
@@ -169,27 +170,27 @@ fn read(text: &str) -> Result<Recipe, String> {
         lines.vector("up")?,
     ];
     let samples = lines.number("samples", "a whole number")?;
-    let cull = lines.word("cull", cull_of)?;
+    let cull = lines.word("cull", parse_cull)?;
     let clip = lines.clip()?;
-    let precision = lines.word("precision", precision_of)?;
-    let mode = lines.word("mode", mode_of)?;
-    let wireframe = lines.one("wireframe", WIREFRAME, wireframe_of)?;
-    let background = lines.one("background", BACKGROUND, background_of)?;
+    let precision = lines.word("precision", parse_precision)?;
+    let mode = lines.word("mode", parse_mode)?;
+    let wireframe = lines.one("wireframe", WIREFRAME, parse_wireframe)?;
+    let background = lines.one("background", BACKGROUND, parse_background)?;
     let blend = lines.number("blend", "a number")?;
-    let filter = lines.word("filter", filter_of)?;
-    let texture_projection = lines.word("texture-projection", texture_projection_of)?;
+    let filter = lines.word("filter", parse_filter)?;
+    let texture_projection = lines.word("texture-projection", parse_texture_projection)?;
     let usual = Shading::default();
     let number = |value: &str| value.parse().ok();
     let crease = lines.optional("crease", "a number", number)?;
     let lights = "lights that this program knows";
-    let lights = lines.optional("lights", lights, |value| lights_of(unquoted(value)?))?;
-    let plain_color = lines.optional("plain-color", "a colour", color_of)?;
-    let scale = lines.optional("color-scale", SCALE, scale_of)?;
+    let lights = lines.optional("lights", lights, |value| parse_lights(unquoted(value)?))?;
+    let plain_color = lines.optional("plain-color", "a colour", parse_color)?;
+    let scale = lines.optional("color-scale", SCALE, parse_scale)?;
     let pixel_filter = "a pixel filter that this program knows";
     let pixel_filter = lines.optional("pixel-filter", pixel_filter, |value| {
         unquoted(value)?.parse().ok()
     })?;
-    let shift = lines.optional("shift", "two numbers", list_of)?;
+    let shift = lines.optional("shift", "two numbers", parse_list)?;
     let shift = ranges::shift(shift.unwrap_or([0.0; 2])).map_err(|error| error.to_string())?;
     let projection = match (lines.has("lens"), projection) {
         (false, _) => projection,
@@ -199,8 +200,8 @@ fn read(text: &str) -> Result<Recipe, String> {
         }
         (true, _) => return Err(format!("a lens, which {projection} does not have")),
     };
-    let stereo = lines.optional("stereo", STEREO, stereo_of)?;
-    let back_faces = lines.optional("back-faces", "a colour", color_of)?;
+    let stereo = lines.optional("stereo", STEREO, parse_stereo)?;
+    let back_faces = lines.optional("back-faces", "a colour", parse_color)?;
     let ground = lines.optional("ground", "lowest or a height", |value| {
         unquoted(value)?.parse().ok()
     })?;
@@ -319,7 +320,7 @@ impl<'t> Lines<'t> {
         key: &str,
         expected: &str,
     ) -> Result<[T; N], String> {
-        self.one(key, expected, list_of)
+        self.one(key, expected, parse_list)
     }
 
     fn vector(&mut self, key: &str) -> Result<DVec3, String> {

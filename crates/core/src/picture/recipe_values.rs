@@ -29,16 +29,16 @@ fn items(value: &str) -> Option<std::str::Split<'_, &'static str>> {
 }
 
 /// The numbers between brackets.
-pub(super) fn list_of<T: FromStr, const N: usize>(value: &str) -> Option<[T; N]> {
+pub(super) fn parse_list<T: FromStr, const N: usize>(value: &str) -> Option<[T; N]> {
     let items: Option<Vec<T>> = items(value)?.map(|item| item.parse().ok()).collect();
     items?.try_into().ok()
 }
 
-pub(super) fn color_of(value: &str) -> Option<Color> {
+pub(super) fn parse_color(value: &str) -> Option<Color> {
     unquoted(value)?.parse().ok()
 }
 
-/// What [`wireframe_of`] expects, for messages; likewise below.
+/// What [`parse_wireframe`] expects, for messages; likewise below.
 pub(super) const WIREFRAME: &str = "a width, a colour and perhaps edges, or \"none\"";
 
 /// The types of edges and the strength of hidden lines are written where they are not the defaults.
@@ -59,7 +59,7 @@ pub(super) fn wireframe_text(lines: Option<&Wireframe>) -> String {
     format!("[{}, \"{color}\"{more}]", float(width))
 }
 
-pub(super) fn wireframe_of(value: &str) -> Option<Option<Wireframe>> {
+pub(super) fn parse_wireframe(value: &str) -> Option<Option<Wireframe>> {
     if value == "\"none\"" {
         return Some(None);
     }
@@ -90,11 +90,11 @@ pub(super) fn background_text(background: &Background) -> String {
     }
 }
 
-pub(super) fn background_of(value: &str) -> Option<Background> {
+pub(super) fn parse_background(value: &str) -> Option<Background> {
     if value == "\"transparent\"" {
         return Some(Background::Transparent);
     }
-    let mut colors = items(value)?.map(color_of);
+    let mut colors = items(value)?.map(parse_color);
     Some(Background::Gradient(colors.next()??, colors.next()??))
 }
 
@@ -109,9 +109,9 @@ pub(super) fn scale_text(ColorScale { map, range, legend }: &ColorScale) -> Stri
     format!("[\"{}\", {range}{legend}]", color_map_word(*map))
 }
 
-pub(super) fn scale_of(value: &str) -> Option<ColorScale> {
+pub(super) fn parse_scale(value: &str) -> Option<ColorScale> {
     let mut items = items(value)?;
-    let map = color_map_of(unquoted(items.next()?)?)?;
+    let map = parse_color_map(unquoted(items.next()?)?)?;
     let range = match items.next()? {
         "\"fitted\"" => None,
         low => Some([low.parse().ok()?, items.next()?.parse().ok()?]),
@@ -130,7 +130,7 @@ pub(super) fn stereo_text(stereo: &Stereo) -> String {
     format!("[{}]", items.join(", "))
 }
 
-pub(super) fn stereo_of(value: &str) -> Option<Stereo> {
+pub(super) fn parse_stereo(value: &str) -> Option<Stereo> {
     let mut items = items(value)?;
     Some(Stereo {
         kind: unquoted(items.next()?)?.parse().ok()?,
@@ -141,27 +141,27 @@ pub(super) fn stereo_of(value: &str) -> Option<Stereo> {
 
 /// The word for each of an enum's variants, and back. A variant without a word does not compile.
 macro_rules! words {
-    ($word:ident, $of:ident: $kind:ident { $($variant:ident = $text:literal),+ $(,)? }) => {
+    ($word:ident, $parse:ident: $kind:ident { $($variant:ident = $text:literal),+ $(,)? }) => {
         pub(super) fn $word(value: $kind) -> &'static str {
             match value { $($kind::$variant => $text),+ }
         }
 
-        pub(super) fn $of(word: &str) -> Option<$kind> {
+        pub(super) fn $parse(word: &str) -> Option<$kind> {
             match word { $($text => Some($kind::$variant),)+ _ => None }
         }
     };
 }
 
-words!(color_map_word, color_map_of: ColorMap {
+words!(color_map_word, parse_color_map: ColorMap {
     Viridis = "viridis",
     Magma = "magma",
     Turbo = "turbo",
     Cividis = "cividis",
     Diverging = "diverging",
 });
-words!(cull_word, cull_of: Cull { None = "none", Back = "back" });
-words!(precision_word, precision_of: Precision { Fast = "fast", Exact = "exact" });
-words!(mode_word, mode_of: Mode {
+words!(cull_word, parse_cull: Cull { None = "none", Back = "back" });
+words!(precision_word, parse_precision: Precision { Fast = "fast", Exact = "exact" });
+words!(mode_word, parse_mode: Mode {
     Color = "color",
     Flat = "flat",
     Smooth = "smooth",
@@ -174,18 +174,18 @@ words!(mode_word, mode_of: Mode {
     Wireframe = "wireframe",
     XRay = "x-ray",
 });
-words!(lights_word, lights_of: LightSet {
+words!(lights_word, parse_lights: LightSet {
     Soft = "soft",
     Headlight = "headlight",
     ThreePoint = "three-point",
 });
-words!(filter_word, filter_of: Filter {
+words!(filter_word, parse_filter: Filter {
     Nearest = "nearest",
     Bilinear = "bilinear",
     Trilinear = "trilinear",
     Ewa = "ewa",
 });
-words!(texture_projection_word, texture_projection_of: TextureProjection {
+words!(texture_projection_word, parse_texture_projection: TextureProjection {
     Uv = "uv",
     Triplanar = "triplanar",
     PerTriangle = "per-triangle",

@@ -1,4 +1,4 @@
-use super::place::Place;
+use super::fragment_position::FragmentPosition;
 use super::{ImageError, Picture, Recipe, exr_read, png};
 use crate::camera::Rect;
 use std::io::{BufRead, Seek};
@@ -8,7 +8,7 @@ use std::io::{BufRead, Seek};
 pub struct RowReader<R: BufRead + Seek> {
     kind: Kind<R>,
     recipe: Option<Recipe>,
-    place: Option<Place>,
+    position: Option<FragmentPosition>,
     /// The number of rows read.
     read: u32,
 }
@@ -27,21 +27,21 @@ impl<R: BufRead + Seek> RowReader<R> {
         let begin = read
             .fill_buf()
             .map_err(|error| ImageError::Decode(error.to_string()))?;
-        let (kind, recipe, place) = if begin.starts_with(b"\x89PNG") {
+        let (kind, recipe, position) = if begin.starts_with(b"\x89PNG") {
             let png = png::Reader::open(read, length)?;
-            let (recipe, place) = (png.recipe()?, png.place()?);
-            (Kind::Png(Box::new(png)), recipe, place)
+            let (recipe, position) = (png.recipe()?, png.position()?);
+            (Kind::Png(Box::new(png)), recipe, position)
         } else if begin.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
             let exr = exr_read::Reader::open(read, length)?;
-            let (recipe, place) = (exr.recipe()?, exr.place()?);
-            (Kind::Exr(Box::new(exr)), recipe, place)
+            let (recipe, position) = (exr.recipe()?, exr.position()?);
+            (Kind::Exr(Box::new(exr)), recipe, position)
         } else {
             return Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()));
         };
         Ok(Self {
             kind,
             recipe,
-            place,
+            position,
             read: 0,
         })
     }
@@ -56,7 +56,8 @@ impl<R: BufRead + Seek> RowReader<R> {
 
     /// Columns and rows of the full picture, also for a fragment.
     pub fn full_size(&self) -> (u32, u32) {
-        self.place.map_or(self.size(), |place| place.full_size)
+        self.position
+            .map_or(self.size(), |position| position.full_size)
     }
 
     /// The rectangle of its pixels in the full picture.
@@ -68,7 +69,7 @@ impl<R: BufRead + Seek> RowReader<R> {
             width,
             height,
         };
-        self.place.map_or(whole, |place| place.rect)
+        self.position.map_or(whole, |position| position.rect)
     }
 
     /// The picture's recipe, where the file stores it.

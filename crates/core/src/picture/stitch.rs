@@ -16,7 +16,7 @@ pub struct Part {
 
 impl Part {
     /// The description of a fragment.
-    pub fn of(name: &str, fragment: &Fragment) -> Self {
+    pub fn new(name: &str, fragment: &Fragment) -> Self {
         Self {
             name: name.to_owned(),
             rect: fragment.rect,
@@ -92,7 +92,7 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
             })?;
     }
     let parts: Vec<Part> = (fragments.iter())
-        .map(|(name, fragment)| Part::of(name, fragment))
+        .map(|(name, fragment)| Part::new(name, fragment))
         .collect();
     check_parts(&parts)?;
     let Some(first) = parts.first() else {

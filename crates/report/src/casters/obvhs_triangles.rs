@@ -9,7 +9,7 @@ use raycast_core::{Accel, PrimitiveHit};
 
 /// From this number of triangles on, fewer than a quarter may be duplicates: the time of obvhs's builder is
 /// quadratic in their number. Smaller scenes are built whatever their duplicates.
-const FEW: usize = 1000;
+const DUPLICATES_FROM: usize = 1000;
 
 /// Triangles in leaf order.
 pub(super) struct Triangles {
@@ -36,7 +36,7 @@ impl Triangles {
         let copies = corners.len() - distinct.len();
         let can = !corners.is_empty()
             && (1e-15..1e15).contains(&reach)
-            && (corners.len() < FEW || copies < corners.len() / 4);
+            && (corners.len() < DUPLICATES_FROM || copies < corners.len() / 4);
         can.then(|| {
             let triangle = |corners: [Vec3; 3]| {
                 let [v0, v1, v2] = corners.map(Vec3A::from);

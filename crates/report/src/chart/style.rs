@@ -37,8 +37,8 @@ impl Ink {
     ];
 
     /// The colour of a caster, found by its name.
-    pub fn of_caster(name: &str) -> Self {
-        const BEGINNINGS: [(&str, Ink); 7] = [
+    pub fn for_caster(name: &str) -> Self {
+        const PREFIXES: [(&str, Ink); 7] = [
             ("RayCast tiles", Ink::Blue),
             ("RayCast", Ink::Sky),
             ("obvhs", Ink::Vermilion),
@@ -47,7 +47,7 @@ impl Ink {
             ("watertight", Ink::Orange),
             ("plane", Ink::Grey),
         ];
-        BEGINNINGS
+        PREFIXES
             .into_iter()
             .find(|(beginning, _)| name.starts_with(beginning))
             .map_or(Self::Black, |(_, ink)| ink)

@@ -11,19 +11,19 @@ use std::collections::HashMap;
 const DECISION_MARGIN: f64 = 1e-6;
 
 /// A position, with positive zeros.
-type Place = [u32; 3];
+type PositionKey = [u32; 3];
 
 /// The triangles at each position of a mesh.
 pub(super) struct Creased<'m> {
     mesh: &'m Mesh,
     degrees: f64,
     /// Triangles, and which of their corners is at the position.
-    at: HashMap<Place, Vec<(u32, usize)>>,
+    at: HashMap<PositionKey, Vec<(u32, usize)>>,
 }
 
 impl<'m> Creased<'m> {
     pub(super) fn new(mesh: &'m Mesh, degrees: f32) -> Self {
-        let mut at: HashMap<Place, Vec<(u32, usize)>> = HashMap::new();
+        let mut at: HashMap<PositionKey, Vec<(u32, usize)>> = HashMap::new();
         for &triangle in mesh.kept() {
             for (side, corner) in corners(mesh, triangle).into_iter().enumerate() {
                 at.entry(place(corner)).or_default().push((triangle, side));
@@ -47,7 +47,7 @@ impl<'m> Creased<'m> {
         let star = self.at.get(&place(corners(self.mesh, triangle)[side]))?;
         // For each vertex at the other end of an edge: the triangles whose edge leads there, and those whose edge
         // comes from there.
-        let mut edges: HashMap<Place, [Vec<usize>; 2]> = HashMap::new();
+        let mut edges: HashMap<PositionKey, [Vec<usize>; 2]> = HashMap::new();
         for (number, &(triangle, side)) in star.iter().enumerate() {
             for (way, end) in self.ends(triangle, side).into_iter().enumerate() {
                 edges.entry(end).or_default()[way].push(number);
@@ -95,7 +95,7 @@ impl<'m> Creased<'m> {
     }
 
     /// The other ends of the two edges at a corner.
-    fn ends(&self, triangle: u32, side: usize) -> [Place; 2] {
+    fn ends(&self, triangle: u32, side: usize) -> [PositionKey; 2] {
         let corners = corners(self.mesh, triangle);
         [1, 2].map(|step| place(corners[(side + step) % 3]))
     }
@@ -119,6 +119,6 @@ fn corners(mesh: &Mesh, triangle: u32) -> [Vec3; 3] {
     mesh.corners(triangle).unwrap_or_default()
 }
 
-fn place(corner: Vec3) -> Place {
+fn place(corner: Vec3) -> PositionKey {
     (corner + 0.0).to_array().map(f32::to_bits)
 }

@@ -124,7 +124,7 @@ impl<'a> Expected<'a> {
         let legend = has_legend
             .then(|| Legend::place(plane.columns, plane.rows))
             .flatten();
-        let repeat = |object: &Object| object.has_texture().then(|| Repeat::of(&object.mesh));
+        let repeat = |object: &Object| object.has_texture().then(|| Repeat::new(&object.mesh));
         Self {
             stage,
             camera,

@@ -10,7 +10,7 @@ use raycast_core::math;
 use raycast_core::scene::{Photograph, Texture};
 
 /// The part of a photograph that a hit shows.
-pub(super) enum Place {
+pub(super) enum ShownPart {
     /// None: the hit is outside the frame, or hidden.
     None,
     /// These texture coordinates.
@@ -29,11 +29,11 @@ pub(super) fn place(
     weights: [Single; 3],
     photograph: &Photograph,
     texture: &Texture,
-) -> Place {
+) -> ShownPart {
     let [_, u, v] = weights;
     if photograph.lens.is_some() || !(u.is_known() && v.is_known()) {
         // Lenses are not computed independently.
-        return Place::Unknown;
+        return ShownPart::Unknown;
     }
     let Some(uv) = in_frame(
         stage,
@@ -42,14 +42,14 @@ pub(super) fn place(
         photograph,
         texture,
     ) else {
-        return Place::None;
+        return ShownPart::None;
     };
     let sides = [texture.width(), texture.height()];
     if !uv
         .iter()
         .all(|range| range.is_known() && range.low >= 0.0 && range.high <= 1.0)
     {
-        return Place::Unknown;
+        return ShownPart::Unknown;
     }
     // Except at a corner of an occluder, what hides any point of so small a parallelogram hides one of its corners.
     let middle = |range: Single| (range.low + range.high) * 0.5;
@@ -65,16 +65,16 @@ pub(super) fn place(
     match first {
         Some(seen) if points.into_iter().all(|point| is_seen(point) == first) => {
             if !seen {
-                return Place::None;
+                return ShownPart::None;
             }
             // Clamped to the centres of the outermost texels.
             let inside = |at: usize| {
                 let half = Double::exactly(0.5 / f64::from(sides[at])).rounded();
                 uv[at].max(half.low).min(1.0 - half.low)
             };
-            Place::At([inside(0), inside(1)])
+            ShownPart::At([inside(0), inside(1)])
         }
-        _ => Place::Unknown,
+        _ => ShownPart::Unknown,
     }
 }
 

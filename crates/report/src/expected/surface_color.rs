@@ -1,6 +1,6 @@
 //! The colour of a surface at a hit: its own, its texture's, and its material's.
 
-use super::photograph::{self, Place};
+use super::photograph::{self, ShownPart};
 use super::range::{Single, Vector, plus};
 use super::{Expected, Hit, light, normal, reflection, srgb, texture};
 use raycast_core::scene::{ColorRule, Reflectance, Texture, Wrap};
@@ -44,9 +44,9 @@ impl Expected<'_> {
             let numbers = (hit.number, hit.triangle);
             let stage = (self.stage, self.cull);
             match photograph::place(stage, numbers, hit.weights, taken, texture) {
-                Place::None => return color,
-                Place::At(place) => texture::sample(texture, place, filter),
-                Place::Unknown => return [Single::UNKNOWN; 3],
+                ShownPart::None => return color,
+                ShownPart::At(place) => texture::sample(texture, place, filter),
+                ShownPart::Unknown => return [Single::UNKNOWN; 3],
             }
         } else if !by_uv {
             let Some(Some(repeat)) = self.repeats.get(hit.number as usize) else {

@@ -158,7 +158,7 @@ pub(super) struct Repeat {
 }
 
 impl Repeat {
-    pub(super) fn of(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh) -> Self {
         let bounds = mesh.bounds();
         let longest = bounds.size().max_element();
         Self {

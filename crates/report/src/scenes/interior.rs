@@ -31,14 +31,14 @@ pub fn interior(triangles: u32) -> Mesh {
         steps,
     };
     let far = f64::from(ROOMS) * SIDE;
-    let corner = Place::at(DVec3::ZERO);
+    let corner = Pose::at(DVec3::ZERO);
     flat.shell(DVec3::ZERO, DVec3::new(far, HEIGHT, far));
     for line in 1..ROOMS {
         let at = f64::from(line) * SIDE;
         for room in 0..ROOMS {
             flat.wall(corner, f64::from(room) * SIDE, at);
             // The same wall seen the other way: along z in place of x.
-            let turned = Place {
+            let turned = Pose {
                 origin: DVec3::new(0.0, 0.0, far),
                 yaw: PI / 2.0,
             };
@@ -79,12 +79,12 @@ pub fn interior_camera(size: (u32, u32), close: bool) -> Result<Camera, PlaneErr
 
 /// Where a thing stands, and which way it is turned about the vertical.
 #[derive(Clone, Copy)]
-struct Place {
+struct Pose {
     origin: DVec3,
     yaw: f64,
 }
 
-impl Place {
+impl Pose {
     fn at(origin: DVec3) -> Self {
         Self { origin, yaw: 0.0 }
     }
@@ -109,14 +109,14 @@ impl Flat {
     /// The inside of a box.
     fn shell(&mut self, min: DVec3, max: DVec3) {
         let first = self.faces.len();
-        self.cuboid(Place::at(DVec3::ZERO), min, max);
+        self.cuboid(Pose::at(DVec3::ZERO), min, max);
         for face in &mut self.faces[first..] {
             face.swap(1, 2);
         }
     }
 
     /// A box, fronts outwards.
-    fn cuboid(&mut self, place: Place, min: DVec3, max: DVec3) {
+    fn cuboid(&mut self, place: Pose, min: DVec3, max: DVec3) {
         let first = self.positions.len() as u32;
         let (corners, triangles) = cuboid_parts(min, max);
         self.positions
@@ -126,7 +126,7 @@ impl Flat {
     }
 
     /// A wall with a doorway, from `from` on as long as a room, `across` away from the place.
-    fn wall(&mut self, place: Place, from: f64, across: f64) {
+    fn wall(&mut self, place: Pose, from: f64, across: f64) {
         let (door, door_height) = ((2.0, 3.1), 2.1);
         // Ends are within the next wall, so that no two faces lie in each other.
         let ends = (from - 0.5 * WALL, from + SIDE + 0.5 * WALL);
@@ -144,7 +144,7 @@ impl Flat {
     fn furnish(&mut self, corner: DVec3) {
         let middle = corner + DVec3::new(SIDE / 2.0, 0.0, SIDE / 2.0);
         let yaw = self.random.between(-0.4, 0.4);
-        let table = Place {
+        let table = Pose {
             origin: middle,
             yaw,
         };
@@ -152,16 +152,16 @@ impl Flat {
         for chair in 0..4 {
             let turned = yaw + f64::from(chair) * PI / 2.0;
             let away = DVec3::new(0.0, 0.0, self.random.between(0.8, 1.1));
-            let origin = Place {
+            let origin = Pose {
                 origin: middle,
                 yaw: turned,
             }
             .point(away);
             let yaw = turned + self.random.between(-0.3, 0.3);
-            self.chair(Place { origin, yaw });
+            self.chair(Pose { origin, yaw });
         }
-        self.shelf(Place::at(corner + DVec3::new(0.2, 0.0, 0.12)));
-        let turned = Place {
+        self.shelf(Pose::at(corner + DVec3::new(0.2, 0.0, 0.12)));
+        let turned = Pose {
             origin: corner + DVec3::new(SIDE - 0.12, 0.0, SIDE - 1.8),
             yaw: -PI / 2.0,
         };
@@ -194,7 +194,7 @@ impl Flat {
         }
     }
 
-    fn table(&mut self, place: Place) {
+    fn table(&mut self, place: Pose) {
         let cuboid = |flat: &mut Self, min: [f64; 3], max: [f64; 3]| {
             flat.cuboid(place, DVec3::from(min), DVec3::from(max));
         };
@@ -204,7 +204,7 @@ impl Flat {
         }
     }
 
-    fn chair(&mut self, place: Place) {
+    fn chair(&mut self, place: Pose) {
         let cuboid = |flat: &mut Self, min: [f64; 3], max: [f64; 3]| {
             flat.cuboid(place, DVec3::from(min), DVec3::from(max));
         };
@@ -224,7 +224,7 @@ impl Flat {
     }
 
     /// A shelf against a wall behind it, full of books.
-    fn shelf(&mut self, place: Place) {
+    fn shelf(&mut self, place: Pose) {
         let (wide, deep) = (1.2, 0.3);
         let mut boxed = |min: [f64; 3], max: [f64; 3]| {
             self.cuboid(place, DVec3::from(min), DVec3::from(max));

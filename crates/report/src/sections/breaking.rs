@@ -285,7 +285,7 @@ fn chart(
                 format!("{} casters, never wrong", whole.len())
             },
             places.iter().map(|&place| (place, 0.0)).collect(),
-            Ink::of_caster(&first.caster),
+            Ink::for_caster(&first.caster),
         ));
     }
     let worst = broken.iter().map(|curve| {
@@ -334,7 +334,7 @@ fn line(alike: &[&BreakingCurve]) -> Series {
             .iter()
             .map(|point| (point.0, rate(point)))
             .collect(),
-        ink: Ink::of_caster(&first.caster),
+        ink: Ink::for_caster(&first.caster),
         form: if first.caster.contains("f64") || first.caster.contains("robust") {
             Form::Dashes
         } else {
@@ -349,7 +349,7 @@ fn group_identical<'a>(curves: &[&'a BreakingCurve]) -> Vec<Vec<&'a BreakingCurv
     for &curve in curves {
         let same = |group: &&mut Vec<&BreakingCurve>| {
             group[0].points == curve.points
-                && Ink::of_caster(&group[0].caster) == Ink::of_caster(&curve.caster)
+                && Ink::for_caster(&group[0].caster) == Ink::for_caster(&curve.caster)
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.push(curve),

@@ -108,7 +108,7 @@ pub fn show(
         } else {
             caster.name.clone()
         };
-        series.push(Series::dot(label, point, Ink::of_caster(&caster.name)));
+        series.push(Series::dot(label, point, Ink::for_caster(&caster.name)));
     }
     let best = fastest_correct(summaries);
     let rates = Axis::log(

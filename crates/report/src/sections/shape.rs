@@ -245,7 +245,7 @@ pub fn show(section: &mut Section, sweep: SpeedSweep, curves: &[SpeedCurve]) {
             Series {
                 label: curve.caster.clone(),
                 points: points.map(|(at, speed)| (*at, speed.median)).collect(),
-                ink: Ink::of_caster(&curve.caster),
+                ink: Ink::for_caster(&curve.caster),
                 form: if curve.caster.contains("robust") || curve.caster.contains("fast") {
                     Form::Dashes
                 } else {

@@ -30,7 +30,7 @@ impl<'a> Banded<'a> {
     ///
     /// # Errors
     /// A picture that the format cannot hold; too little memory for a band.
-    pub(super) fn of(
+    pub(super) fn new(
         name: &Path,
         format: Format,
         recipe: &'a Recipe,

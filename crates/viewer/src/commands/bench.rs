@@ -43,7 +43,7 @@ struct FileFigures {
 #[derive(Debug, Serialize)]
 struct BuildFigures {
     caster: &'static str,
-    ms: Spread,
+    ms: TimeRange,
 }
 
 /// The measurements of a view.
@@ -52,9 +52,9 @@ struct ViewFigures {
     view: &'static str,
     rays: u64,
     hits: u64,
-    cast_ms: Spread,
-    hits_ms: Spread,
-    frame_ms: Spread,
+    cast_ms: TimeRange,
+    hits_ms: TimeRange,
+    frame_ms: TimeRange,
     mrays_per_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     baselines: Option<Vec<BaselineFigures>>,
@@ -66,7 +66,7 @@ struct BaselineFigures {
     caster: String,
     rays: u64,
     hits: u64,
-    cast_ms: Spread,
+    cast_ms: TimeRange,
     mrays_per_s: f64,
     /// RayCast's rays a second divided by this caster's.
     raycast_is_faster: f64,
@@ -80,14 +80,14 @@ const BRUTE_FORCE_TESTS: usize = 2_000_000;
 
 /// The minimum and the median of several times, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-struct Spread {
+struct TimeRange {
     min: f64,
     median: f64,
 }
 
-impl Spread {
+impl TimeRange {
     /// Sorts the times.
-    fn of(times: &mut [Duration]) -> Self {
+    fn from_times(times: &mut [Duration]) -> Self {
         times.sort_unstable();
         Self {
             min: times.first().copied().map_or(0.0, milliseconds),
@@ -243,7 +243,7 @@ fn measure_builds(
         .filter(|(_, times)| !times.is_empty())
         .map(|(caster, mut times)| BuildFigures {
             caster,
-            ms: Spread::of(&mut times),
+            ms: TimeRange::from_times(&mut times),
         })
         .collect())
 }
@@ -358,15 +358,15 @@ fn measure_view(
         }
         progress.done(1);
     }
-    let cast_ms = Spread::of(&mut cast_times);
+    let cast_ms = TimeRange::from_times(&mut cast_times);
     let cast_time = median(&cast_times);
     Ok(ViewFigures {
         view: name,
         rays: tiles.rays,
         hits: tiles.counts.hits,
         cast_ms,
-        hits_ms: Spread::of(&mut hits_times),
-        frame_ms: Spread::of(&mut frame_times),
+        hits_ms: TimeRange::from_times(&mut hits_times),
+        frame_ms: TimeRange::from_times(&mut frame_times),
         mrays_per_s: stats::mrays_per_s(tiles.rays, cast_time),
         baselines: baselines.map(|casters| {
             let measured = casters.iter().zip(&lattices).zip(baseline_frames);
@@ -374,7 +374,7 @@ fn measure_view(
                 .map(|((caster, lattices), frames)| {
                     let rays = lattices.iter().map(Lattice::len).sum::<usize>() as u64;
                     let mut times: Vec<_> = frames.iter().map(|frame| frame.0).collect();
-                    let cast_ms = Spread::of(&mut times);
+                    let cast_ms = TimeRange::from_times(&mut times);
                     BaselineFigures {
                         caster: caster.name().to_owned(),
                         rays,
@@ -429,11 +429,11 @@ mod tests {
     #[test]
     fn spreads_are_least_and_middle() {
         let ms = Duration::from_millis;
-        let odd = Spread::of(&mut [ms(5), ms(1), ms(3)]);
+        let odd = TimeRange::from_times(&mut [ms(5), ms(1), ms(3)]);
         assert_eq!((odd.min, odd.median), (1.0, 3.0));
-        let even = Spread::of(&mut [ms(4), ms(1), ms(2), ms(9)]);
+        let even = TimeRange::from_times(&mut [ms(4), ms(1), ms(2), ms(9)]);
         assert_eq!((even.min, even.median), (1.0, 3.0));
-        assert_eq!(Spread::of(&mut []), Spread::default());
+        assert_eq!(TimeRange::from_times(&mut []), TimeRange::default());
     }
 
     #[test]
@@ -442,9 +442,9 @@ mod tests {
             view: "medium",
             rays: 2,
             hits: 1,
-            cast_ms: Spread::default(),
-            hits_ms: Spread::default(),
-            frame_ms: Spread::default(),
+            cast_ms: TimeRange::default(),
+            hits_ms: TimeRange::default(),
+            frame_ms: TimeRange::default(),
             mrays_per_s: 1.0,
             baselines: None,
         };

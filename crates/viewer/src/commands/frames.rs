@@ -239,7 +239,7 @@ fn write_each(
                 let output = Output::at(&path, &[])?;
                 let banded = match is_part {
                     true => None,
-                    false => Banded::of(&path, format, &recipe, &output, args.resume)?,
+                    false => Banded::new(&path, format, &recipe, &output, args.resume)?,
                 };
                 if let Some(banded) = banded {
                     let quiet = TerminalProgress::hidden();

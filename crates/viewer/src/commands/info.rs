@@ -225,7 +225,7 @@ fn inspect(path: &Path, args: &InfoArgs) -> Result<FileInfo, Failure> {
         let transforms = scene.world_from_objects();
         let transforms = transforms.map_err(|error| Failure::could_not(error.to_string()))?;
         for ((info, object), place) in objects.iter_mut().zip(&scene.objects).zip(&transforms) {
-            info.health = findings.of(&object.mesh, place);
+            info.health = findings.examine(&object.mesh, place);
         }
     }
     Ok(FileInfo {
@@ -303,7 +303,7 @@ fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bo
         line("scalar", scalar.description());
     }
     if !object.materials.is_empty() {
-        line("materials", some_of(&object.materials));
+        line("materials", first_few(&object.materials));
     }
     if let Some([width, height]) = object.texture {
         line("texture", format!("{width}x{height}"));
@@ -366,10 +366,10 @@ fn vector([x, y, z]: [f64; 3]) -> String {
 }
 
 /// The first of many names, and the number of the others: a file of coloured faces has a name for each colour.
-fn some_of(names: &[String]) -> String {
-    const MOST: usize = 12;
-    let first = names[..names.len().min(MOST)].join(", ");
-    match names.len().saturating_sub(MOST) {
+fn first_few(names: &[String]) -> String {
+    const MAX_LISTED: usize = 12;
+    let first = names[..names.len().min(MAX_LISTED)].join(", ");
+    match names.len().saturating_sub(MAX_LISTED) {
         0 => first,
         more => format!("{first} and {more} more"),
     }

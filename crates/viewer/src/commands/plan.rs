@@ -48,7 +48,7 @@ const OWN: [&str; 10] = [
 
 /// Writes a plan.
 pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
-    let plan = Plan::of(args)?;
+    let plan = Plan::new(args)?;
     let inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     let beside = |suffix: &str| {
         let mut name = plan.path.clone().into_os_string();
@@ -124,7 +124,7 @@ struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    fn of(args: &'a PlanArgs) -> Result<Self, Failure> {
+    fn new(args: &'a PlanArgs) -> Result<Self, Failure> {
         let absolute = |path: &Path| {
             std::path::absolute(path)
                 .map_err(|error| Failure::could_not(format!("{}: {error}", path.display())))
@@ -406,7 +406,7 @@ mod tests {
         else {
             panic!("not a plan: {line}");
         };
-        let plan = Plan::of(&args)?;
+        let plan = Plan::new(&args)?;
         let mut lines = plan.jobs()?;
         lines.extend(plan.stitching()?);
         Ok(lines)

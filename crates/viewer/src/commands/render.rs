@@ -88,7 +88,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let recipe = Recipe::of(view);
     let banded = match (part, args.tiles.unfinished) {
-        (None, None) => Banded::of(&args.output, format, &recipe, &output, args.resume)?,
+        (None, None) => Banded::new(&args.output, format, &recipe, &output, args.resume)?,
         _ => None,
     };
     let (file, tiles, wall) = match banded {

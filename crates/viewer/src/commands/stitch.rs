@@ -31,7 +31,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let mut parts = Vec::new();
     for path in inputs {
         let name = path.display().to_string();
-        let state = state_of(path);
+        let state = file_state(path);
         let fragment = Fragment::decode(&name, &read(path)?)?;
         if format == Format::Exr && fragment.picture.layers.is_none() {
             return Err(Failure::usage(format!(
@@ -48,7 +48,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
                 memory::check_picture(&args.output, (columns, rows), memory_for, "")?;
             }
         }
-        parts.push((Part::of(&name, &fragment), state));
+        parts.push((Part::new(&name, &fragment), state));
         if !is_banded {
             fragments.push((name, fragment));
         }
@@ -65,7 +65,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let Some(Part { recipe, .. }) = parts.first() else {
         return Err(FragmentError::None.into());
     };
-    let Some(banded) = Banded::of(&args.output, format, recipe, &output, false)? else {
+    let Some(banded) = Banded::new(&args.output, format, recipe, &output, false)? else {
         return Err(Failure::could_not("the output is no longer what it was"));
     };
     let mut open: Vec<Option<RowReader<BufReader<File>>>> = parts.iter().map(|_| None).collect();
@@ -80,7 +80,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
             let path = Path::new(&part.name);
             let mut reader = match open.take() {
                 Some(reader) => reader,
-                None => rows_of(path, *state)?,
+                None => read_rows(path, *state)?,
             };
             let rows = reader.rows(bottom - top)?;
             let rect = Rect {
@@ -103,7 +103,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
 /// A file's length and modification time, by which a change during reading is detected.
 type State = Option<(u64, SystemTime)>;
 
-fn state_of(path: &Path) -> State {
+fn file_state(path: &Path) -> State {
     let found = std::fs::metadata(path).ok()?;
     Some((found.len(), found.modified().ok()?))
 }
@@ -113,10 +113,10 @@ fn changed(path: &Path) -> Failure {
 }
 
 /// Opens a checked fragment again.
-fn rows_of(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
+fn read_rows(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
     let file = File::open(path).map_err(cannot)?;
-    if state != state_of(path) {
+    if state != file_state(path) {
         return Err(changed(path));
     }
     let length = file.metadata().map_err(cannot)?.len();

@@ -1,6 +1,6 @@
 //! Journals of part files, from which a later command resumes.
 
-use super::part_file::open_kept;
+use super::part_file::open_resumable;
 use raycast_core::digest::Digest;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -31,7 +31,7 @@ impl Journal {
         head: &[u8],
         part: &mut File,
     ) -> io::Result<Self> {
-        let mut file = open_kept(&path, false)?;
+        let mut file = open_resumable(&path, false)?;
         let mut text = Vec::new();
         file.read_to_end(&mut text)?;
         let text = String::from_utf8_lossy(&text);

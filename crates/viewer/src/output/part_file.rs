@@ -1,6 +1,6 @@
 //! Part files: outputs under a temporary name until they are complete.
 
-use super::place::{directory_of, is_at};
+use super::file_identity::{directory_of, is_at};
 use raycast_core::digest::Digest;
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, Permissions, TryLockError};
@@ -15,7 +15,7 @@ const SUFFIX: &str = ".part";
 pub(super) const LOCK: &str = ".raycast-lock";
 
 /// The most part files of one process in one folder at a time.
-const MOST: u32 = 1 << 16;
+const MAX_PART_FILES: u32 = 1 << 16;
 
 /// The part files of this process, which a signal removes.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -41,7 +41,7 @@ impl PartFile {
     /// # Errors
     /// A file that cannot be opened, or that another command is writing.
     pub(super) fn keep_at(path: PathBuf, is_private: bool) -> io::Result<Self> {
-        let file = open_kept(&path, is_private)?;
+        let file = open_resumable(&path, is_private)?;
         // A file system without locks shows no other writer.
         let is_held = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
         if is_held || !is_at(&file, &path) {
@@ -72,7 +72,7 @@ impl PartFile {
         let _ = is_private;
         let process = std::process::id();
         let mut paths = unfinished();
-        for number in 0..MOST {
+        for number in 0..MAX_PART_FILES {
             let path = directory.join(part_name(process, number));
             let file = match options.open(&path) {
                 Ok(file) => file,
@@ -104,7 +104,7 @@ impl PartFile {
     pub(super) fn folder_in(directory: &Path) -> io::Result<(PathBuf, File)> {
         let process = std::process::id();
         let mut paths = unfinished();
-        for number in 0..MOST {
+        for number in 0..MAX_PART_FILES {
             let path = directory.join(part_name(process, number));
             match fs::create_dir(&path) {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
@@ -176,7 +176,7 @@ impl Drop for PartFile {
 ///
 /// # Errors
 /// A file that cannot be opened; a link or a device, which no command leaves at such a name.
-pub(super) fn open_kept(path: &Path, is_private: bool) -> io::Result<File> {
+pub(super) fn open_resumable(path: &Path, is_private: bool) -> io::Result<File> {
     if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
         let reason = format!("{} is no file", path.display());
         return Err(io::Error::other(reason));
@@ -320,7 +320,7 @@ mod tests {
 
     #[test]
     fn only_names_that_are_given_are_taken_for_part_files() {
-        for (process, number) in [(1, 0), (4_194_304, 12), (u32::MAX, MOST - 1)] {
+        for (process, number) in [(1, 0), (4_194_304, 12), (u32::MAX, MAX_PART_FILES - 1)] {
             let name = part_name(process, number);
             assert!(is_part_name(OsStr::new(&name)), "{name}");
             // Every other digit of the checksum, and every other process and number.

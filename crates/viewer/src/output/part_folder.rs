@@ -1,7 +1,7 @@
 //! Folders of many files that appear as one.
 
+use super::file_identity::directory_of;
 use super::part_file::{LOCK, PartFile, unfinished};
-use super::place::directory_of;
 use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io;

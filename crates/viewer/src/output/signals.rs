@@ -67,8 +67,8 @@ fn remove_and_exit(status: i32) -> ! {
 /// Removes a folder that other threads still write files into. Files that they create after it was listed are removed
 /// at the next try: few are created during one, and none once the folder is gone.
 fn remove_folder(path: &Path) {
-    const TRIES: usize = 1000;
-    for _ in 0..TRIES {
+    const MAX_ATTEMPTS: usize = 1000;
+    for _ in 0..MAX_ATTEMPTS {
         match std::fs::remove_dir_all(path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {}
             _ => return,

@@ -1,8 +1,8 @@
 //! Output files, checked before the work, and written atomically.
 
+use super::file_identity::{Identity, directory_of, follow};
 use super::journal::Journal;
 use super::part_file::{PartFile, sweep};
-use super::place::{Identity, directory_of, follow};
 use super::unfinished::{Sink, Unfinished, cannot_write};
 use crate::failure::Failure;
 use raycast_core::digest::Digest;

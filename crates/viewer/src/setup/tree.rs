@@ -31,11 +31,11 @@ pub fn instruction_set() -> Result<Simd, Failure> {
 /// The least ratio of shown to stored triangles at which a command uses instances. With a smaller ratio they save
 /// little memory; with a larger one scenes with moderate repetition take memory and build time for all that they
 /// show. Casting takes longer with instances, the more so where objects overlap, which many frames make up for.
-const INSTANCES_SAVE: usize = 4;
+const INSTANCES_RATIO: usize = 4;
 
 /// Whether objects share meshes so much that a tree for each mesh saves enough memory.
 pub fn has_instances(scene: &Scene) -> bool {
-    Accel::stored_triangles(scene).saturating_mul(INSTANCES_SAVE) <= scene.triangle_count()
+    Accel::stored_triangles(scene).saturating_mul(INSTANCES_RATIO) <= scene.triangle_count()
         && scene.triangle_count() > 0
 }
 

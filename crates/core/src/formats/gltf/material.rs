@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// The brightest emission of a material: far beyond any picture, and far from the end of single precision.
-const BRIGHTEST: f64 = 1e30;
+const MAX_EMISSION: f64 = 1e30;
 
 /// White, opaque.
 const WHITE: [f64; 4] = [1.0; 4];
@@ -95,13 +95,13 @@ impl<'m, 'd> Materials<'m, 'd> {
             };
             let fits = |placed: &TextureInfo| {
                 Coordinates::set(placed) == Coordinates::set(info)
-                    && Coordinates::of(placed) == Coordinates::of(info)
+                    && Coordinates::new(placed) == Coordinates::new(info)
             };
             if !has_coordinates || !base.placed.is_some_and(fits) {
                 *self.unused.entry(what).or_default() += 1;
                 return Ok(None);
             }
-            let Some((image, key)) = self.image_of(info, place)? else {
+            let Some((image, key)) = self.find_image(info, place)? else {
                 return Ok(None);
             };
             self.tinted(image, key, WHITE)
@@ -132,7 +132,7 @@ impl<'m, 'd> Materials<'m, 'd> {
             roughness,
             texture,
             emission: emission
-                .map(|light| (light * strength.unwrap_or(1.0)).clamp(0.0, BRIGHTEST) as f32),
+                .map(|light| (light * strength.unwrap_or(1.0)).clamp(0.0, MAX_EMISSION) as f32),
             emission_texture,
             is_unlit: json.extensions.unlit.is_some(),
         })
@@ -152,7 +152,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         let json = data.one(list, index, &place, "materials")?;
         self.count_unused(index, json);
         let image = match base.texture {
-            Some(info) if has_coordinates => self.image_of(info, &place)?,
+            Some(info) if has_coordinates => self.find_image(info, &place)?,
             _ => None,
         };
         let opacity = opacity(json, base.factor, image.as_ref().map(|(image, _)| image));
@@ -205,7 +205,7 @@ impl<'m, 'd> Materials<'m, 'd> {
     }
 
     /// A texture's image as the file has it, and its key.
-    fn image_of(
+    fn find_image(
         &mut self,
         info: &TextureInfo,
         place: &str,
@@ -395,7 +395,7 @@ impl Coordinates {
         scale: DVec2::ONE,
     };
 
-    pub(super) fn of(info: &TextureInfo) -> Self {
+    pub(super) fn new(info: &TextureInfo) -> Self {
         let Some(TextureTransform {
             offset,
             rotation,

@@ -107,7 +107,7 @@ impl Builder<'_, '_, '_> {
             || named("TEXCOORD_0").map(|uvs| (uvs, Coordinates::PLAIN)),
             |info| {
                 let name = format!("TEXCOORD_{}", Coordinates::set(info));
-                named(&name).map(|uvs| (uvs, Coordinates::of(info)))
+                named(&name).map(|uvs| (uvs, Coordinates::new(info)))
             },
         );
         let colors = named("COLOR_0");

@@ -27,6 +27,10 @@ use std::collections::HashMap;
 use std::path::Path;
 
 #[cfg(test)]
+mod material_tests;
+#[cfg(test)]
+mod refusal_tests;
+#[cfg(test)]
 mod tests;
 
 /// Extensions that do not affect what is shown, or that are supported.
@@ -144,12 +148,12 @@ fn notes(root: &Root<'_>, materials: &Materials<'_, '_>) -> Vec<String> {
     let lists = lists.iter().filter(|(count, _)| *count > 0);
     unused.extend(lists.map(|(count, what)| format!("{what} ({count})")));
     /// The most extensions that a message lists by name.
-    const NAMED: usize = 8;
+    const MAX_LISTED: usize = 8;
     let unread = |name: &&String| !READ.contains(&name.as_str());
     let extensions: Vec<&String> = root.extensions_used.iter().filter(unread).collect();
-    unused.extend(extensions.iter().take(NAMED).map(|name| quote(name)));
-    if extensions.len() > NAMED {
-        unused.push(format!("{} more extensions", extensions.len() - NAMED));
+    unused.extend(extensions.iter().take(MAX_LISTED).map(|name| quote(name)));
+    if extensions.len() > MAX_LISTED {
+        unused.push(format!("{} more extensions", extensions.len() - MAX_LISTED));
     }
     let mut notes = vec!["unit: metre; up axis: Y".to_owned()];
     if !unused.is_empty() {

@@ -2,10 +2,10 @@ use crate::formats::SceneFile;
 use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::formats::read_scene_from;
-use crate::scene::{Alpha, Color, Mesh, Opacity, Wrap};
+use crate::scene::Mesh;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn buffer(more: &[u8]) -> Vec<u8> {
 
 /// A file whose accessors are the square's corners (0) and indices (1), and those of `accessors`, over
 /// views of all bytes (0), of the corners (1), and of `more` (2).
-fn gltf(more: &[u8], accessors: &str, rest: &str) -> String {
+pub(super) fn gltf(more: &[u8], accessors: &str, rest: &str) -> String {
     let bytes = buffer(more);
     let length = bytes.len();
     let data = STANDARD.encode(&bytes);
@@ -38,11 +38,11 @@ fn gltf(more: &[u8], accessors: &str, rest: &str) -> String {
 }
 
 /// A node with a mesh of these primitives.
-fn primitives(list: &str) -> String {
+pub(super) fn primitives(list: &str) -> String {
     format!(r#""nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [{list}]}}]"#)
 }
 
-fn try_read(bytes: &[u8]) -> Result<SceneFile, String> {
+pub(super) fn try_read(bytes: &[u8]) -> Result<SceneFile, String> {
     let files = |name: &str| match name {
         "a.gltf" => Some(bytes.to_vec()),
         "t.ppm" => Some("P3\n1 1\n255\n255 100 0\n".into()),
@@ -51,11 +51,11 @@ fn try_read(bytes: &[u8]) -> Result<SceneFile, String> {
     read_scene_from("[[object]]\nmesh = \"a.gltf\"\n", &files).map_err(|error| error.to_string())
 }
 
-fn read(text: &str) -> SceneFile {
+pub(super) fn read(text: &str) -> SceneFile {
     try_read(text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn notes(text: &str) -> Vec<String> {
+pub(super) fn notes(text: &str) -> Vec<String> {
     let budget = Budget::default();
     let image = |_: &str| Some("P3\n1 1\n255\n1 2 3\n".into());
     let files = Held::new(&image, &budget);
@@ -339,140 +339,6 @@ fn nodes_are_objects_depth_first_and_share_their_meshes() {
     );
 }
 
-/// Two triangles with coordinates and these materials.
-fn reflecting(materials: &str) -> (Arc<Mesh>, Vec<String>) {
-    let uvs = [0f32, 0., 1., 0., 1., 1., 0., 0.25];
-    let more: Vec<u8> = uvs.iter().flat_map(|x| x.to_le_bytes()).collect();
-    let accessors = r#", {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}"#;
-    let rest = format!(
-        r#""nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [
-  {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "material": 0}},
-  {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "material": 1}}]}}],
-"materials": [{materials}],
-"extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_clearcoat"],
-"textures": [{{"source": 0}}], "images": [{{"uri": "t.ppm"}}]"#
-    );
-    let file = gltf(&more, accessors, &rest);
-    (Arc::clone(&read(&file).scene.objects[0].mesh), notes(&file))
-}
-
-#[test]
-fn reflectances_are_read_and_unsupported_features_are_counted() {
-    let (mesh, notes) = reflecting(
-        r#"{"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 7,
-    "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0}, "occlusionTexture": {"index": 0},
-   "emissiveFactor": [1, 0.5, 0], "emissiveTexture": {"index": 0, "texCoord": 1},
-   "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}, "KHR_materials_clearcoat": {}}},
-  {"extensions": {"KHR_materials_unlit": {}}}"#,
-    );
-    let known = |number: usize| {
-        let known = mesh.materials()[number].reflectance.clone();
-        known.expect("a reflectance")
-    };
-    let first = known(0);
-    assert_eq!((first.metallic, first.roughness), (0.25, 1.0));
-    assert_eq!(first.emission, [4.0, 2.0, 0.0]);
-    assert!(first.texture.is_some() && first.emission_texture.is_none());
-    assert!(!first.is_unlit && known(1).is_unlit);
-    assert_eq!((known(1).metallic, known(1).roughness), (1.0, 1.0));
-    let message = "not used: images of emission by other coordinates than of colour (1 materials), images of normals \
-                (1 materials), images of occlusion (1 materials), \"KHR_materials_clearcoat\"";
-    assert_eq!(notes[1], message);
-}
-
-#[test]
-fn colours_are_those_of_factors_vertices_and_images() {
-    let mut more: Vec<u8> = vec![
-        255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 128, 128, 128, 255,
-    ];
-    more.extend(
-        [0f32, 0., 1., 0., 1., 1., 0., 0.25]
-            .iter()
-            .flat_map(|x| x.to_le_bytes()),
-    );
-    let accessors = r#", {"bufferView": 2, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"},
- {"bufferView": 2, "byteOffset": 16, "componentType": 5126, "count": 4, "type": "VEC2"}"#;
-    let rest = r#""nodes": [{"mesh": 0}], "meshes": [{"primitives": [
-  {"attributes": {"POSITION": 0}, "material": 1},
-  {"attributes": {"POSITION": 0, "COLOR_0": 2}, "material": 0},
-  {"attributes": {"POSITION": 0, "TEXCOORD_1": 3}, "material": 2},
-  {"attributes": {"POSITION": 0, "COLOR_0": 2}}]}],
-"materials": [{"name": "half", "pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 1, 1]}},
-  {"pbrMetallicRoughness": {"baseColorFactor": [0, 1, 0.21404114, 0.5]}, "alphaMode": "BLEND"},
-  {"emissiveFactor": [1, 0, 0], "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1],
-   "baseColorTexture": {"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform":
-    {"offset": [0.5, 0], "rotation": 1.5707963267948966, "scale": [2, 1]}}}}}],
-"extensionsRequired": ["KHR_texture_transform"], "extensionsUsed": ["KHR_texture_transform", "X_y"],
-"textures": [{"source": 0, "sampler": 0}], "samplers": [{"wrapS": 33071, "wrapT": 33648}], "images": [{"uri": "t.ppm"}]"#;
-    let file = read(&gltf(&more, accessors, rest));
-    let object = &file.scene.objects[0];
-    assert_eq!(object.triangle_color(0), Color([0, 255, 128]));
-    assert_eq!(object.corner_colors(0), None);
-    let half = object.corner_colors(1).expect("colours of vertices");
-    assert_eq!(
-        half,
-        [Color([255, 0, 0]), Color([0, 188, 0]), Color([0, 0, 255])]
-    );
-    assert_eq!(object.corner_colors(2), None);
-    let own = object.corner_colors(3).expect("colours of vertices");
-    assert_eq!(
-        own,
-        [Color([255, 0, 0]), Color([0, 255, 0]), Color([0, 0, 255])]
-    );
-    assert!(object.texture_on(1).is_none());
-    let image = object.texture_on(2).expect("an image");
-    assert_eq!(image.texels(), [[188, 100, 0, 255]]);
-    let half = Alpha {
-        factor: 0.5,
-        image: None,
-    };
-    assert_eq!(*object.mesh.opacity(0), Opacity::Blend(half.clone()));
-    assert_eq!(*object.mesh.opacity(1), Opacity::Opaque);
-    for (given, cutoff) in [("", 0.5), (", \"alphaCutoff\": 0.25", 0.25)] {
-        let masked = rest.replace("\"BLEND\"", &format!("\"MASK\"{given}"));
-        let file = read(&gltf(&more, accessors, &masked));
-        let alpha = half.clone();
-        let opacity = file.scene.objects[0].mesh.opacity(0).clone();
-        assert_eq!(opacity, Opacity::Mask { alpha, cutoff });
-        assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
-    }
-    assert_eq!(image.wrap(), [Wrap::Clamp, Wrap::Mirror]);
-    // (u, v) scaled by (2, 1), rotated by a quarter to (v, −u), translated by (0.5, 0), and flipped.
-    let uvs = object.mesh.corner_uvs(2).expect("coordinates");
-    let expected = [(0.5, 1.0), (0.5, 3.0), (1.5, 3.0)].map(|(u, v)| Vec2::new(u, v));
-    for (found, expected) in uvs.iter().zip(expected) {
-        assert!((*found - expected).length() < 1e-6, "{uvs:?}");
-    }
-    assert_eq!(object.mesh.corner_uvs(0), None);
-    assert_eq!(
-        file.warnings,
-        [
-            "a.gltf: corners behind the last whole triangle, which are passed over: 4",
-            "a.gltf: blended materials, of which each layer covers by its alpha, with nothing refracted: 1",
-        ]
-    );
-    let message = "not used: \"X_y\"";
-    assert_eq!(notes(&gltf(&more, accessors, rest))[1], message);
-    let emission = |triangle| {
-        let material = object.mesh.material(triangle).expect("a material");
-        material.reflectance.as_ref().map(|known| known.emission)
-    };
-    assert_eq!(
-        (emission(0), emission(2)),
-        (Some([0.0; 3]), Some([1.0, 0.0, 0.0]))
-    );
-    // An image that cannot be read gives a warning, and the rest is shown.
-    let file = read(&gltf(&more, accessors, &rest.replace("t.ppm", "none.png")));
-    assert!(file.scene.objects[0].texture_on(2).is_none());
-    assert!(
-        file.warnings
-            .iter()
-            .any(|message| message.starts_with("none.png: ")),
-        "{:?}",
-        file.warnings
-    );
-}
-
 #[test]
 fn bad_normals_are_left_out_by_triangle() {
     let normals = [0f32, 0., 2., 0., 0., 2., 0., 0., 2., 0., 0., 0.];
@@ -482,173 +348,6 @@ fn bad_normals_are_left_out_by_triangle() {
     let file = read(&gltf(&more, accessors, &rest));
     assert_eq!(mesh(&file).corner_normals(0), Some([Vec3::Z; 3]));
     assert_eq!(mesh(&file).corner_normals(1), None);
-}
-
-#[test]
-fn says_where_and_what() {
-    let check = |from: &str, to: &str, message: &str| {
-        let rest = primitives(r#"{"attributes": {"POSITION": 0}, "indices": 1}"#);
-        let good = gltf(&[], "", &rest);
-        assert!(good.contains(from), "{from}");
-        let error = try_read(good.replacen(from, to, 1).as_bytes()).expect_err(to);
-        assert!(error.contains(message), "{error}");
-        assert!(error.contains("a.gltf"), "{error}");
-        assert_eq!(error.lines().count(), 1, "{error}");
-    };
-    check(
-        "\"2.0\"",
-        "\"1.0\"",
-        "expected glTF version 2, found \"1.0\"",
-    );
-    check(
-        "\"count\": 4",
-        "\"count\": 5",
-        "accessors[0]: expected 5 elements 12 bytes apart, from byte 0, found a view of 48 bytes",
-    );
-    check(
-        "\"byteLength\": 52,",
-        "\"byteLength\": 53,",
-        "buffers[0]: expected 53 bytes, found 52",
-    );
-    check(
-        "\"byteOffset\": 4, \"byteLength\": 48",
-        "\"byteOffset\": 5, \"byteLength\": 48",
-        "bufferViews[1]: expected a part of the buffer's 52 bytes, found 48 from 5",
-    );
-    check(
-        "\"byteOffset\": 4,",
-        "\"byteOffset\": 18446744073709551615,",
-        "found 48 from 18446744073709551615",
-    );
-    check(
-        "\"byteLength\": 48",
-        "\"byteLength\": 48, \"byteStride\": 4",
-        "accessors[0]: expected a stride of 12 bytes or more, found 4",
-    );
-    check(
-        "\"byteLength\": 48",
-        "\"byteLength\": 48, \"byteStride\": 18446744073709551615",
-        "found a view of 48 bytes",
-    );
-    check(
-        "\"VEC3\"",
-        "\"VEC2\"",
-        "accessors[0]: expected VEC3, found \"VEC2\"",
-    );
-    check(
-        "5126",
-        "5124",
-        "expected a component type (5120 to 5123, 5125 or 5126), found 5124",
-    );
-    check(
-        "5121",
-        "5120",
-        "meshes[0].primitives[0].indices: expected unsigned numbers, found signed ones or fractions",
-    );
-    check(
-        "\"indices\": 1",
-        "\"indices\": 7",
-        "expected one of the file's accessors, found number 7, of 2 accessors",
-    );
-    check(
-        "\"POSITION\": 0",
-        "\"POSITION\": 0, \"NORMAL\": 1",
-        "expected VEC3, found \"SCALAR\"",
-    );
-    check(
-        "\"mesh\": 0",
-        "\"mesh\": 1",
-        "nodes[0]: expected one of the file's meshes, found number 1, of 1 meshes",
-    );
-    check(
-        "{\"mesh\": 0}",
-        "{\"children\": [0]}",
-        "expected triangles, found no node with a mesh",
-    );
-    check(
-        "[{\"mesh\": 0}]",
-        "[{\"mesh\": 0}, {\"children\": [0, 0]}]",
-        "nodes[1].children: expected nodes that have no other parent, found node 0, which has another",
-    );
-    check(
-        "\"nodes\": [",
-        "\"scenes\": [{\"nodes\": [1]}], \"nodes\": [{\"children\": [1]}, {\"children\": [0]}, ",
-        "nodes[1]: expected a node of a tree, found one that is met twice",
-    );
-    check(
-        "{\"mesh\": 0}",
-        "{\"mesh\": 0, \"rotation\": [0, 0, 0, 0]}",
-        "nodes[0]: expected a rotation as a quaternion",
-    );
-    check(
-        "{\"mesh\": 0}",
-        "{\"mesh\": 0, \"scale\": [1e308, 1, 1], \"children\": [1]}, {\"mesh\": 0, \"scale\": [1e308, 1, 1]}",
-        "nodes[1]: expected a place of finite numbers",
-    );
-    check(
-        "{\"mesh\": 0}",
-        "{\"mesh\": 0, \"matrix\": [1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}",
-        "as a matrix's last row, found [1.0, 0.0, 0.0, 1.0]",
-    );
-    check(
-        "\"primitives\": [{",
-        "\"primitives\": [{\"mode\": 7, ",
-        "meshes[0].primitives[0]: expected a mode from 0 to 6, found 7",
-    );
-    check(
-        "\"primitives\": [{",
-        "\"primitives\": [{\"mode\": 0, ",
-        "expected triangles, found points and lines alone",
-    );
-    check(
-        "\"primitives\": [{",
-        "\"primitives\": [{\"material\": 0, ",
-        "expected one of the file's materials, found number 0, of 0 materials",
-    );
-    check(
-        "data:application/octet-stream;base64,",
-        "data:application/octet-stream;base64,=",
-        "buffers[0]: expected base64",
-    );
-    check(
-        "data:application/octet-stream;base64,",
-        "https://host/a?",
-        "buffers[0]: expected a file, found \"https://host/a?",
-    );
-    check(
-        "{\"bufferView\": 1, \"componentType\": 5126, \"count\": 4,",
-        "{\"componentType\": 5126, \"count\": 53,",
-        "at most 52 elements, one for each byte of the buffers, found 53",
-    );
-    check(
-        "\"asset\": {\"version\": \"2.0\"},",
-        "\"asset\": {\"version\": 2},",
-        "a.gltf:1: invalid type: integer `2`, expected a string (column 23)",
-    );
-    for (extension, message) in [
-        ("KHR_draco_mesh_compression", "Draco compression"),
-        ("EXT_meshopt_compression", "meshopt compression"),
-        ("EXT_texture_webp", "WebP images"),
-        ("KHR_texture_basisu", "KTX2 images"),
-        ("FB_ngon", "one that is not known"),
-    ] {
-        let named = format!(
-            "{{\"extensionsRequired\": [\"KHR_mesh_quantization\", \"{extension}\"], \"asset\""
-        );
-        let message = format!("found \"{extension}\" ({message})");
-        check("{\"asset\"", &named, &message);
-    }
-}
-
-#[test]
-fn an_index_beyond_the_vertices_is_named() {
-    let rest = primitives(r#"{"attributes": {"POSITION": 2}, "indices": 1}"#);
-    let accessors = r#", {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}"#;
-    let error = try_read(gltf(&[], accessors, &rest).as_bytes()).expect_err("a bad index");
-    assert_eq!(
-        error,
-        "a.gltf: meshes[0].primitives[0].indices: expected indices of its 3 vertices, found 3 as number 3"
-    );
 }
 
 /// A binary file of this JSON and these bytes.

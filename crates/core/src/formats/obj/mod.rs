@@ -114,7 +114,7 @@ pub(super) fn read(
 /// The same, where the file also ends in a face without a line end: then it is truncated.
 fn check_unused_vertices(path: &Path, text: &ObjText) -> Result<Option<String>, FormatError> {
     // Complete files have unused vertices, too: the Stanford bunny 3 in 100; but hardly 5.
-    const FEWEST: usize = 16;
+    const MIN_UNUSED: usize = 16;
     let vertices = text.positions.len();
     let mut is_used = vec![false; vertices];
     for &vertex in text.triangles.iter().flatten() {
@@ -123,7 +123,7 @@ fn check_unused_vertices(path: &Path, text: &ObjText) -> Result<Option<String>, 
         }
     }
     let loose = is_used.iter().filter(|is_used| !**is_used).count();
-    if loose < FEWEST || loose * 20 < vertices {
+    if loose < MIN_UNUSED || loose * 20 < vertices {
         return Ok(None);
     }
     let what = format!("{loose} of {vertices} vertices are in no face");

@@ -19,7 +19,7 @@ pub(super) struct MtlMaterial {
 pub(super) type Unused = BTreeMap<String, usize>;
 
 /// The most keywords that are listed by name.
-const NAMED: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// Reads a material library. Faulty lines are skipped and listed in `warnings`; properties that are not shown are
 /// counted.
@@ -80,7 +80,7 @@ pub(super) fn read(
             "" | "Ka" | "Ni" | "illum" | "sharpness" | "Tf" => {}
             _ if keyword.starts_with('#') => {}
             // A damaged file may contain any words: only a few short ones are kept.
-            _ if unused.contains_key(keyword) || unused.len() < NAMED => {
+            _ if unused.contains_key(keyword) || unused.len() < MAX_LISTED => {
                 *unused.entry(shorten(keyword)).or_default() += 1;
             }
             _ => {}
@@ -151,14 +151,14 @@ impl Look {
         Some(Reflectance {
             metallic: metallic.unwrap_or(0.0).clamp(0.0, 1.0) as f32,
             roughness: roughness.clamp(0.0, 1.0) as f32,
-            emission: emission.map(|light| light.clamp(0.0, BRIGHTEST) as f32),
+            emission: emission.map(|light| light.clamp(0.0, MAX_EMISSION) as f32),
             ..usual
         })
     }
 }
 
 /// As in glTF: far beyond any picture.
-const BRIGHTEST: f64 = 1e30;
+const MAX_EMISSION: f64 = 1e30;
 
 fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     let color = material.diffuse.map_or(Color::DEFAULT, |diffuse| {

@@ -11,7 +11,7 @@ pub(in crate::formats) type ReadAt<'s> = &'s (dyn Fn(u64, &mut [u8]) -> io::Resu
 /// The size of the read-ahead buffer for small fields; slices as large are read directly, whole blocks of them by
 /// several threads. With a larger buffer, longer lists go through it, which costs one more copy on one thread; with a
 /// smaller one there are more system calls.
-const AHEAD: usize = 1 << 16;
+const READ_AHEAD: usize = 1 << 16;
 
 /// A stream over a file's bytes, without its checksum.
 pub(super) struct Source<'s> {
@@ -57,10 +57,10 @@ impl<'s> Source<'s> {
         while !to.is_empty() {
             let (ahead, used) = &mut self.ahead;
             if *used == ahead.len() {
-                if to.len() >= AHEAD {
+                if to.len() >= READ_AHEAD {
                     return self.take_directly(to);
                 }
-                ahead.resize(AHEAD.min(self.length - self.taken), 0);
+                ahead.resize(READ_AHEAD.min(self.length - self.taken), 0);
                 (self.read_at)(self.taken as u64, ahead)?;
                 *used = 0;
             }
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn bytes_arrive_in_order_and_are_all_in_the_checksum() {
         let mut random = Random(97);
-        for length in [0, 1, 100, AHEAD, BLOCK - 1, BLOCK, 5 * BLOCK + 17] {
+        for length in [0, 1, 100, READ_AHEAD, BLOCK - 1, BLOCK, 5 * BLOCK + 17] {
             let bytes: Vec<u8> = (0..length).map(|_| (random.unit() * 256.0) as u8).collect();
             let read_at = |at: u64, to: &mut [u8]| {
                 to.copy_from_slice(&bytes[at as usize..at as usize + to.len()]);

@@ -15,7 +15,7 @@ const NONE: u32 = u32::MAX;
 
 /// The parent of an element, which decides the meaning of the element's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum Parent {
     Document,
     Model,
     Resources,
@@ -107,14 +107,14 @@ impl ModelReader<'_, '_> {
     fn document(&mut self) -> Result<(), FormatError> {
         let text = &self.attributes.part.text[..];
         let mut reader = Reader::from_reader(text);
-        let mut places = vec![Place::Document];
+        let mut parents = vec![Parent::Document];
         // Lines are counted incrementally.
         let mut counted = 0;
         let mut has_model = false;
         loop {
             let event = reader.read_event();
             let at = (reader.buffer_position() as usize).clamp(counted, text.len());
-            let place = places.last().copied().unwrap_or(Place::Document);
+            let parent = parents.last().copied().unwrap_or(Parent::Document);
             let event = match event {
                 Ok(event) => event,
                 Err(error) => {
@@ -124,21 +124,21 @@ impl ModelReader<'_, '_> {
             };
             match &event {
                 Event::Start(tag) | Event::Empty(tag) => {
-                    let inner = self.element(tag, place)?;
-                    has_model |= inner == Place::Model;
+                    let inner = self.element(tag, parent)?;
+                    has_model |= inner == Parent::Model;
                     if matches!(event, Event::Start(_)) {
-                        places.push(inner);
+                        parents.push(inner);
                     } else {
                         self.leave(inner);
                     }
                 }
                 Event::End(_) => {
-                    places.pop();
-                    self.leave(place);
+                    parents.pop();
+                    self.leave(parent);
                 }
                 Event::Eof => {
                     self.attributes.line += memchr::memchr_iter(b'\n', &text[counted..at]).count();
-                    if places.len() > 1 {
+                    if parents.len() > 1 {
                         return Err(self
                             .attributes
                             .unexpected("the end of its elements", "the part's end"));
@@ -158,47 +158,47 @@ impl ModelReader<'_, '_> {
     }
 
     /// Parses an element's tag; returns the parent of the elements in it.
-    fn element(&mut self, tag: &BytesStart<'_>, place: Place) -> Result<Place, FormatError> {
+    fn element(&mut self, tag: &BytesStart<'_>, parent: Parent) -> Result<Parent, FormatError> {
         let name = tag.local_name();
-        Ok(match (place, name.as_ref()) {
-            (Place::Document, b"model") => {
+        Ok(match (parent, name.as_ref()) {
+            (Parent::Document, b"model") => {
                 self.start_model(tag)?;
-                Place::Model
+                Parent::Model
             }
-            (Place::Model, b"resources") => Place::Resources,
-            (Place::Model, b"build") => Place::Build,
-            (Place::Build, b"item") => {
+            (Parent::Model, b"resources") => Parent::Resources,
+            (Parent::Model, b"build") => Parent::Build,
+            (Parent::Build, b"item") => {
                 let item = self.instance(tag)?;
                 self.model.items.push(item);
-                Place::Other
+                Parent::Other
             }
-            (Place::Resources, b"basematerials" | b"colorgroup") => {
+            (Parent::Resources, b"basematerials" | b"colorgroup") => {
                 self.group = self.attributes.need(tag, b"id")?;
                 self.groups.insert(self.group, Vec::new());
                 if name.as_ref() == b"colorgroup" {
-                    Place::ColorGroup
+                    Parent::ColorGroup
                 } else {
-                    Place::BaseMaterials
+                    Parent::BaseMaterials
                 }
             }
-            (Place::BaseMaterials, b"base") => {
+            (Parent::BaseMaterials, b"base") => {
                 let name = self.attributes.text(tag, b"name")?;
                 self.color(tag, b"displaycolor", name)?;
-                Place::Other
+                Parent::Other
             }
-            (Place::ColorGroup, b"color") => {
+            (Parent::ColorGroup, b"color") => {
                 self.color(tag, b"color", None)?;
-                Place::Other
+                Parent::Other
             }
-            (Place::Resources, b"texture2dgroup" | b"compositematerials" | b"multiproperties") => {
+            (Parent::Resources, b"texture2dgroup" | b"compositematerials" | b"multiproperties") => {
                 self.other_groups.insert(self.attributes.need(tag, b"id")?);
                 *self
                     .unused
                     .entry("groups of textures or mixtures")
                     .or_default() += 1;
-                Place::Other
+                Parent::Other
             }
-            (Place::Resources, b"object") => {
+            (Parent::Resources, b"object") => {
                 let id = self.attributes.need(tag, b"id")?;
                 if self.model.objects.contains_key(&id) {
                     let found = format!("{id} once more");
@@ -219,42 +219,42 @@ impl ModelReader<'_, '_> {
                     line: self.attributes.line,
                     ..Open::default()
                 };
-                Place::Object
+                Parent::Object
             }
-            (Place::Object, b"mesh") => {
+            (Parent::Object, b"mesh") => {
                 self.open.mesh.get_or_insert_default();
-                Place::Mesh
+                Parent::Mesh
             }
-            (Place::Object, b"components") => Place::Components,
-            (Place::Components, b"component") => {
+            (Parent::Object, b"components") => Parent::Components,
+            (Parent::Components, b"component") => {
                 let component = self.instance(tag)?;
                 self.open.components.push(component);
-                Place::Other
+                Parent::Other
             }
-            (Place::Mesh, b"vertices") => Place::Vertices,
-            (Place::Mesh, b"triangles") => Place::Triangles,
-            (Place::Mesh, b"beamlattice") => {
+            (Parent::Mesh, b"vertices") => Parent::Vertices,
+            (Parent::Mesh, b"triangles") => Parent::Triangles,
+            (Parent::Mesh, b"beamlattice") => {
                 *self.unused.entry("lattices of beams").or_default() += 1;
-                Place::Other
+                Parent::Other
             }
-            (Place::Vertices, b"vertex") => {
+            (Parent::Vertices, b"vertex") => {
                 let position = self.vertex(tag)?;
                 if let Some(mesh) = &mut self.open.mesh {
                     mesh.positions.push(position);
                 }
-                Place::Other
+                Parent::Other
             }
-            (Place::Triangles, b"triangle") => {
+            (Parent::Triangles, b"triangle") => {
                 self.triangle(tag)?;
-                Place::Other
+                Parent::Other
             }
-            _ => Place::Other,
+            _ => Parent::Other,
         })
     }
 
     /// Closes an element.
-    fn leave(&mut self, place: Place) {
-        if place != Place::Object {
+    fn leave(&mut self, parent: Parent) {
+        if parent != Parent::Object {
             return;
         }
         let Open {

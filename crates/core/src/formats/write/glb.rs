@@ -25,7 +25,7 @@ pub(super) fn write(
     out: &mut dyn Write,
     written: &mut Written,
 ) -> Result<(), WriteError> {
-    let objects: Vec<Object<'_, '_>> = parts.parts.iter().map(Object::of).collect();
+    let objects: Vec<Object<'_, '_>> = parts.parts.iter().map(Object::new).collect();
     written.vertices = objects
         .iter()
         .map(|object| object.join_attributes.vertices.len() as u64)
@@ -142,7 +142,7 @@ struct Object<'p, 's> {
 }
 
 impl<'p, 's> Object<'p, 's> {
-    fn of(part: &'p Part<'s>) -> Self {
+    fn new(part: &'p Part<'s>) -> Self {
         let colors = part.vertex_colors();
         let materials = part.mesh.materials().len();
         let material = |number: usize| {

@@ -65,7 +65,7 @@ pub fn write_meshes(
     library: Option<&str>,
     out: &mut dyn Write,
 ) -> Result<Written, WriteError> {
-    let parts = Parts::of(scene)?;
+    let parts = Parts::new(scene)?;
     let mut written = parts.written();
     match format {
         MeshFormat::Obj => obj::write(&parts, library, out, &mut written),

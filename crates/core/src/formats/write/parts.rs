@@ -42,11 +42,11 @@ fn is_writable(position: DVec3) -> bool {
 }
 
 impl<'s> Parts<'s> {
-    pub(super) fn of(scene: &'s Scene) -> Result<Self, SceneError> {
+    pub(super) fn new(scene: &'s Scene) -> Result<Self, SceneError> {
         let transforms = scene.world_from_objects()?;
         let objects = scene.objects.iter().zip(transforms);
         let parts: Vec<Part<'s>> = objects
-            .map(|(object, place)| Part::of(object, place))
+            .map(|(object, place)| Part::new(object, place))
             .collect();
         let is_single = parts
             .iter()
@@ -159,7 +159,7 @@ impl<'s> Parts<'s> {
 }
 
 impl<'s> Part<'s> {
-    fn of(object: &'s Object, world_from_object: DAffine3) -> Self {
+    fn new(object: &'s Object, world_from_object: DAffine3) -> Self {
         let mesh = &*object.mesh;
         let offset = mesh.offset();
         let at_rest = world_from_object == DAffine3::IDENTITY;

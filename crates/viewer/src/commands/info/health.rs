@@ -48,7 +48,7 @@ impl Findings {
     }
 
     /// Examines a mesh under its transform.
-    pub(super) fn of(
+    pub(super) fn examine(
         &mut self,
         mesh: &Arc<Mesh>,
         world_from_object: &DAffine3,

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 /// A fragment's position, as its file stores it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct FragmentPosition {
     pub(super) full_size: (u32, u32),
     pub(super) rect: Rect,
     /// The recipe's digest.
@@ -15,15 +15,15 @@ pub(super) struct Place {
     pub(super) pixels: Digest,
 }
 
-impl Place {
+impl FragmentPosition {
     /// Whether the rectangle is inside the full picture and has the picture's size.
     pub(super) fn check(&self, picture: &Picture) -> Result<(), String> {
-        check_place(self.full_size, self.rect, picture)
+        check_rect(self.full_size, self.rect, picture)
     }
 }
 
 /// Whether a rectangle is inside the full picture and has the picture's size.
-pub(super) fn check_place(
+pub(super) fn check_rect(
     (columns, rows): (u32, u32),
     rect: Rect,
     picture: &Picture,
@@ -50,9 +50,9 @@ pub(super) fn check_place(
     Ok(())
 }
 
-impl Place {
+impl FragmentPosition {
     /// `full 1280 720 rect 64 0 64 64 recipe DIGEST pixels DIGEST`.
-    pub(super) fn words(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let (columns, rows) = self.full_size;
         let Rect {
             x,
@@ -67,15 +67,15 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
-    /// [`Place::words`] and a checksum of them, as of all else in the file: `… check DIGEST`.
+impl fmt::Display for FragmentPosition {
+    /// [`FragmentPosition::text`] and a checksum of it, as of all else in the file: `… check DIGEST`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = self.words();
+        let words = self.text();
         write!(f, "{words} check {}", Digest::of(words.as_bytes()))
     }
 }
 
-impl FromStr for Place {
+impl FromStr for FragmentPosition {
     type Err = ImageError;
 
     fn from_str(text: &str) -> Result<Self, ImageError> {
@@ -101,7 +101,7 @@ impl FromStr for Place {
             return Err(expected());
         };
         let number = |word: &str| word.parse::<u32>().map_err(|_| expected());
-        let place = Self {
+        let position = Self {
             full_size: (number(columns)?, number(rows)?),
             rect: Rect {
                 x: number(x)?,
@@ -113,11 +113,11 @@ impl FromStr for Place {
             pixels: pixels.parse().map_err(|_| expected())?,
         };
         // The only text of a place: another is damaged.
-        if place.to_string() != text {
+        if position.to_string() != text {
             return Err(ImageError::Decode(
                 "its place is not the one that was written: its checksum is another".to_owned(),
             ));
         }
-        Ok(place)
+        Ok(position)
     }
 }

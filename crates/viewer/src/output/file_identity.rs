@@ -39,11 +39,11 @@ impl Identity {
 
 #[cfg(unix)]
 fn file_id(path: &Path) -> Option<FileId> {
-    fs::metadata(path).ok().map(|found| id_of(&found))
+    fs::metadata(path).ok().map(|found| file_id_of(&found))
 }
 
 #[cfg(unix)]
-fn id_of(found: &Metadata) -> FileId {
+fn file_id_of(found: &Metadata) -> FileId {
     use std::os::unix::fs::MetadataExt;
     (found.dev(), found.ino())
 }
@@ -56,7 +56,7 @@ fn file_id(path: &Path) -> Option<FileId> {
 /// Whether `path` itself, not its link's target, is still the open `file`.
 #[cfg(unix)]
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
-    let id = |found: io::Result<Metadata>| found.ok().map(|found| id_of(&found));
+    let id = |found: io::Result<Metadata>| found.ok().map(|found| file_id_of(&found));
     let open = id(file.metadata());
     open.is_some() && open == id(fs::symlink_metadata(path))
 }
