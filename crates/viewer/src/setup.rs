@@ -6,10 +6,10 @@ mod nothing_to_see;
 mod shading;
 mod tree;
 
-pub use camera::{DEFAULT_SIZE, camera, no_camera};
+pub use camera::{DEFAULT_SIZE, camera, camera_failure};
 pub use dropped::{dropped, reasons};
 pub use nothing_to_see::NothingToSee;
-pub use shading::{paint, shading};
+pub use shading::{apply_textures_and_colors, shading};
 pub use tree::{
     SIMD_VARIABLE, bounds, has_instances, instruction_set, single_tree, stored_triangles, tree,
     tree_to_edit, visible, visible_tree,

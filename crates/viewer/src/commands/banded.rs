@@ -55,14 +55,14 @@ impl<'a> Banded<'a> {
         }))
     }
 
-    /// Writes all bands, as `make` renders them, from the first that is missing.
+    /// Writes all bands, as `render` gives them, from the first that is missing.
     ///
     /// # Errors
-    /// Those of `make`; a file that cannot be written.
+    /// Those of `render`; a file that cannot be written.
     pub(super) fn write(
         &self,
         progress: &TerminalProgress,
-        mut make: impl FnMut(Rect) -> Result<Picture, Failure>,
+        mut render: impl FnMut(Rect) -> Result<Picture, Failure>,
     ) -> Result<Written, Failure> {
         let Self { bands, output, .. } = self;
         let head = bands.head();
@@ -76,21 +76,21 @@ impl<'a> Banded<'a> {
         };
         let known = journal.iter().flat_map(|journal| journal.pieces());
         let mut sizes: Vec<BandSizes> = known
-            .map(|band_entry| read(band_entry))
+            .map(|entry| parse_band_entry(entry))
             .collect::<Result<_, _>>()?;
         progress.counting("rendering", bands.len() as u64);
         progress.done(sizes.len() as u64);
         let mut last_note = Instant::now();
         for index in sizes.len()..bands.len() {
             let rect = bands.rect(index);
-            let picture = make(rect)?;
+            let picture = render(rect)?;
             let band = bands.encode(index, &picture, rect.y)?;
             drop(picture);
             file.append(&band.bytes)?;
             if let Some(journal) = &mut journal {
-                journal.remember(&band.bytes, &band_entry(&band.sizes));
+                journal.record(&band.bytes, &band_entry(&band.sizes));
                 if last_note.elapsed() >= JOURNAL_INTERVAL {
-                    file.note(journal)?;
+                    file.store_journal(journal)?;
                     last_note = Instant::now();
                 }
             }
@@ -98,22 +98,22 @@ impl<'a> Banded<'a> {
             progress.done(1);
         }
         if let Some(journal) = &mut journal {
-            file.note(journal)?;
+            file.store_journal(journal)?;
         }
-        let (known, tail) = bands.finish(&sizes)?;
+        let (final_head, tail) = bands.finish(&sizes)?;
         file.append(&tail)?;
-        if known != head {
-            file.rewrite_head(&known)?;
+        if final_head != head {
+            file.rewrite_head(&final_head)?;
         }
         Ok(Written { file, journal })
     }
 
     /// The key of the journal.
     fn key(&self) -> Digest {
-        let mut of = format!("{:?}\n", self.format).into_bytes();
-        of.extend(self.recipe.to_string().bytes());
-        of.extend(self.bands.head());
-        Digest::of(&of)
+        let mut key = format!("{:?}\n", self.format).into_bytes();
+        key.extend(self.recipe.to_string().bytes());
+        key.extend(self.bands.head());
+        Digest::of(&key)
     }
 }
 
@@ -153,8 +153,8 @@ fn band_entry(sizes: &BandSizes) -> String {
         .collect()
 }
 
-fn read(band_entry: &str) -> Result<BandSizes, Failure> {
-    let numbers: Result<Vec<u32>, _> = band_entry.split(' ').map(str::parse).collect();
+fn parse_band_entry(entry: &str) -> Result<BandSizes, Failure> {
+    let numbers: Result<Vec<u32>, _> = entry.split(' ').map(str::parse).collect();
     match numbers.as_deref() {
         Ok([check, parts @ ..]) => Ok(BandSizes {
             parts: parts.to_vec(),

@@ -113,7 +113,7 @@ impl DeepZoom {
         let page = self.page.write(page.as_bytes())?;
         let dzi = self.dzi.write(text.as_bytes())?;
         // The tiles first: a page without them shows nothing.
-        folder.put()?;
+        folder.persist()?;
         page.finish()?;
         dzi.finish()
     }

@@ -216,7 +216,7 @@ fn inspect(path: &Path, args: &InfoArgs) -> Result<FileInfo, Failure> {
         // A file that cannot be rendered as it is must not be described as if it could.
         let given = CameraArgs::default();
         setup::camera(&given, camera.as_ref(), image, &bounds)
-            .map_err(|error| setup::no_camera(&given, &path.display().to_string(), error))?;
+            .map_err(|error| setup::camera_failure(&given, &path.display().to_string(), error))?;
     }
     let tree_bytes = accel.retained_bytes();
     let mut objects: Vec<_> = scene.objects.iter().map(ObjectInfo::from).collect();

@@ -41,7 +41,7 @@ impl OpenedScene {
         progress.loading();
         let loading = Instant::now();
         let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
-        setup::paint(&mut file.scene, &args.shading, &args.reading)?;
+        setup::apply_textures_and_colors(&mut file.scene, &args.shading, &args.reading)?;
         check(&file.opened)?;
         let load_time = loading.elapsed();
         let settings = Settings {
@@ -83,7 +83,7 @@ impl OpenedScene {
         let build_time = building.elapsed();
         let bounds = setup::bounds(&scene, &accel);
         let camera = setup::camera(&args.camera, camera_file.as_ref(), image, &bounds)
-            .map_err(|error| setup::no_camera(&args.camera, &name, error))?;
+            .map_err(|error| setup::camera_failure(&args.camera, &name, error))?;
         let lines = settings.shading.wireframe;
         if let Some(lines) = lines.and_then(|lines| lines.left_out(camera.projection())) {
             let seen = match camera.projection().lens() {

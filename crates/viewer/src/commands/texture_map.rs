@@ -67,7 +67,7 @@ fn draw_files(args: &TextureMapArgs, output: &Output, map: &mut TextureMap) -> R
     let mut file = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
     output.check_against(&file.opened)?;
     let shading = args.shading();
-    setup::paint(&mut file.scene, &shading, &args.reading)?;
+    setup::apply_textures_and_colors(&mut file.scene, &shading, &args.reading)?;
     let projection = setup::shading(&shading, file.shading).projection;
     progress.clear();
     for warning in &file.warnings {

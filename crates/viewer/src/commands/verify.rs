@@ -30,7 +30,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let progress = TerminalProgress::new();
     progress.loading();
     let mut file = setup::load(files, &args.reading, &|share| progress.loaded(share))?;
-    setup::paint(&mut file.scene, &args.shading, &args.reading)?;
+    setup::apply_textures_and_colors(&mut file.scene, &args.shading, &args.reading)?;
     progress.building();
     let name = setup::name_of(files);
     let scene = std::mem::take(&mut file.scene);

@@ -31,9 +31,9 @@ impl Identity {
         if let Some(id) = file_id(path) {
             return Some(Self::Present(id));
         }
-        let path = follow(path).ok()?;
+        let path = resolve_links(path).ok()?;
         let name = path.file_name()?.to_owned();
-        Some(Self::Absent(file_id(directory_of(&path))?, name))
+        Some(Self::Absent(file_id(parent_directory(&path))?, name))
     }
 }
 
@@ -55,7 +55,7 @@ fn file_id(path: &Path) -> Option<FileId> {
 
 /// Whether `path` itself, not its link's target, is still the open `file`.
 #[cfg(unix)]
-pub(super) fn is_at(file: &File, path: &Path) -> bool {
+pub(super) fn is_same_file(file: &File, path: &Path) -> bool {
     let id = |found: io::Result<Metadata>| found.ok().map(|found| file_id_of(&found));
     let open = id(file.metadata());
     open.is_some() && open == id(fs::symlink_metadata(path))
@@ -63,7 +63,7 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
 
 /// Whether there is a file at `path`: these systems reserve the name of an open file.
 #[cfg(not(unix))]
-pub(super) fn is_at(_: &File, path: &Path) -> bool {
+pub(super) fn is_same_file(_: &File, path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found: Metadata| found.is_file())
 }
 
@@ -71,20 +71,20 @@ pub(super) fn is_at(_: &File, path: &Path) -> bool {
 ///
 /// # Errors
 /// An endless chain; links that cannot be read.
-pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
+pub(super) fn resolve_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..LINKS {
         if !fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink()) {
             return Ok(path);
         }
         let target = fs::read_link(&path)?;
-        path = directory_of(&path).join(target);
+        path = parent_directory(&path).join(target);
     }
     Err(io::Error::other("it is a link that leads nowhere"))
 }
 
 /// The directory that a file is in.
-pub(super) fn directory_of(path: &Path) -> &Path {
+pub(super) fn parent_directory(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
@@ -127,11 +127,11 @@ mod tests {
         fs::create_dir(at("folder")).expect("a folder");
         symlink("folder/second", at("first")).expect("a link");
         symlink("../end", at("folder/second")).expect("a link");
-        let end = follow(&at("first")).expect("an end");
+        let end = resolve_links(&at("first")).expect("an end");
         assert_eq!(end, at("folder/../end"));
         symlink("b", at("a")).expect("a link");
         symlink("a", at("b")).expect("a link");
-        assert!(follow(&at("a")).is_err());
+        assert!(resolve_links(&at("a")).is_err());
     }
 
     #[test]
@@ -139,10 +139,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("file");
         let file = File::create(&path).expect("a file");
-        assert!(is_at(&file, &path));
+        assert!(is_same_file(&file, &path));
         fs::rename(&path, folder.path().join("elsewhere")).expect("renamed");
-        assert!(!is_at(&file, &path));
+        assert!(!is_same_file(&file, &path));
         symlink("elsewhere", &path).expect("a link");
-        assert!(!is_at(&file, &path), "a link to it is not itself");
+        assert!(!is_same_file(&file, &path), "a link to it is not itself");
     }
 }

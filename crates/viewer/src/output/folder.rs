@@ -1,7 +1,7 @@
 //! A folder of outputs, such as a report's.
 
 use super::Output;
-use super::part_file::{is_part_name, sweep};
+use super::part_file::{is_part_name, remove_abandoned};
 use crate::failure::Failure;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ A report of `raycast report` lies in this folder. Another one may be written ove
             Failure::could_not(format!("{}: cannot be {what}: {error}", path.display()))
         };
         fs::create_dir_all(path).map_err(|error| cannot("made", error))?;
-        sweep(path);
+        remove_abandoned(path);
         let mut is_empty = true;
         for entry in fs::read_dir(path).map_err(|error| cannot("read", error))? {
             let name = entry.map_err(|error| cannot("read", error))?.file_name();

@@ -86,16 +86,16 @@ impl Journal {
         &self.pieces
     }
 
-    /// Records a piece that was written, to be stored at the next [`super::Unfinished::note`]; `words` are its
+    /// Records a piece that was written, to be stored at the next [`super::Unfinished::store_journal`]; `words` are its
     /// writer's, without a line end.
-    pub fn remember(&mut self, bytes: &[u8], words: &str) {
+    pub fn record(&mut self, bytes: &[u8], words: &str) {
         let body = format!("{} {} {words}", bytes.len(), Digest::of(bytes));
         let check = Digest::of(body.as_bytes());
         self.waiting.push_str(&format!("{body} {check}\n"));
     }
 
     /// Syncs the part file to the disk, and then stores what is recorded of it.
-    pub(super) fn note(&mut self, part: &File) -> io::Result<()> {
+    pub(super) fn store(&mut self, part: &File) -> io::Result<()> {
         if !self.waiting.is_empty() {
             part.sync_data()?;
             self.file.write_all(self.waiting.as_bytes())?;
@@ -160,8 +160,8 @@ mod tests {
         let (mut file, mut journal) = output.resume(first_key, b"HEAD").expect("begins");
         for (piece, words) in [("first", "a 1"), ("second", "b"), ("third", "")] {
             file.append(piece.as_bytes()).expect("written");
-            journal.remember(piece.as_bytes(), words);
-            file.note(&mut journal).expect("noted");
+            journal.record(piece.as_bytes(), words);
+            file.store_journal(&mut journal).expect("noted");
         }
         file.append(b"half of the four").expect("written");
         assert!(

@@ -1,6 +1,6 @@
 //! Part files: outputs under a temporary name until they are complete.
 
-use super::file_identity::{directory_of, is_at};
+use super::file_identity::{is_same_file, parent_directory};
 use raycast_core::digest::Digest;
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, Permissions, TryLockError};
@@ -25,7 +25,7 @@ pub(super) fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A locked part file; removed when dropped, unless [`PartFile::put`] has renamed it.
+/// A locked part file; removed when dropped, unless [`PartFile::persist`] has renamed it.
 #[derive(Debug)]
 pub(super) struct PartFile {
     file: File,
@@ -44,7 +44,7 @@ impl PartFile {
         let file = open_resumable(&path, is_private)?;
         // A file system without locks shows no other writer.
         let is_held = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
-        if is_held || !is_at(&file, &path) {
+        if is_held || !is_same_file(&file, &path) {
             let reason = format!("another command is writing {}", path.display());
             return Err(io::Error::other(reason));
         }
@@ -83,7 +83,7 @@ impl PartFile {
             // is tried.
             match file.try_lock() {
                 Err(TryLockError::WouldBlock) => continue,
-                Ok(()) if !is_at(&file, &path) => continue,
+                Ok(()) if !is_same_file(&file, &path) => continue,
                 // A file system without locks: no process considers it abandoned there.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
@@ -101,7 +101,7 @@ impl PartFile {
     ///
     /// # Errors
     /// A directory that cannot be written.
-    pub(super) fn folder_in(directory: &Path) -> io::Result<(PathBuf, File)> {
+    pub(super) fn create_folder_in(directory: &Path) -> io::Result<(PathBuf, File)> {
         let process = std::process::id();
         let mut paths = unfinished();
         for number in 0..MAX_PART_FILES {
@@ -122,7 +122,7 @@ impl PartFile {
             };
             match lock.try_lock() {
                 Err(TryLockError::WouldBlock) => continue,
-                Ok(()) if !is_at(&lock, &path.join(LOCK)) => continue,
+                Ok(()) if !is_same_file(&lock, &path.join(LOCK)) => continue,
                 // A file system without locks: no process considers it abandoned there.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
@@ -141,7 +141,7 @@ impl PartFile {
     ///
     /// # Errors
     /// Those of the system. The existing file then stays, unless only syncing the folder failed.
-    pub(super) fn put(
+    pub(super) fn persist(
         mut self,
         destination: &Path,
         permissions: Option<Permissions>,
@@ -157,7 +157,7 @@ impl PartFile {
             self.is_placed = true;
             paths.retain(|path| *path != self.path);
         }
-        sync_directory(directory_of(destination))
+        sync_directory(parent_directory(destination))
     }
 }
 
@@ -195,7 +195,7 @@ pub(super) fn open_resumable(path: &Path, is_private: bool) -> io::Result<File> 
 
 /// Removes the unlocked part files in `directory`: those of processes that were killed. What only resembles one, or
 /// belongs to another user, stays.
-pub(super) fn sweep(directory: &Path) {
+pub(super) fn remove_abandoned(directory: &Path) {
     let Ok(entries) = fs::read_dir(directory) else {
         return;
     };
@@ -218,7 +218,7 @@ fn remove_if_abandoned(path: &Path) {
     if found.is_dir() {
         match File::options().read(true).write(true).open(path.join(LOCK)) {
             // Locked until the folder is removed: its creator then creates another.
-            Ok(lock) if lock.try_lock().is_ok() && is_at(&lock, &path.join(LOCK)) => {
+            Ok(lock) if lock.try_lock().is_ok() && is_same_file(&lock, &path.join(LOCK)) => {
                 let _ = fs::remove_dir_all(path);
             }
             // A folder whose process was killed before the lock existed: removing fails if it is not empty.
@@ -235,7 +235,7 @@ fn remove_if_abandoned(path: &Path) {
         return;
     };
     // Only the holder of the lock renames the file: what is at the path now stays.
-    if file.try_lock().is_ok() && is_at(&file, path) {
+    if file.try_lock().is_ok() && is_same_file(&file, path) {
         let _ = fs::remove_file(path);
     }
 }
@@ -366,7 +366,7 @@ mod tests {
         }
         fs::create_dir(at(&part_name(2, 0))).expect("an empty folder");
         assert_eq!(count(folder.path()), 5);
-        sweep(folder.path());
+        remove_abandoned(folder.path());
         assert_eq!(count(folder.path()), 2);
         assert!(held.path.is_file() && other.path.is_file());
         drop((held, other));
@@ -397,7 +397,7 @@ mod tests {
         #[cfg(unix)]
         std::os::unix::fs::symlink(".raycast-mine.part", at(&part_name(5, 0))).expect("a link");
         let before = count(folder.path());
-        sweep(folder.path());
+        remove_abandoned(folder.path());
         assert_eq!(count(folder.path()), before);
         for name in names {
             assert_eq!(fs::read(at(name)).expect("it is there"), b"somebody's own");
@@ -417,13 +417,13 @@ mod tests {
         let place = folder.path().join("a");
         let mut part = PartFile::create_in(folder.path(), false).expect("a part file");
         part.file().write_all(b"all").expect("written");
-        part.put(&place, None).expect("put");
-        sweep(folder.path());
+        part.persist(&place, None).expect("renamed");
+        remove_abandoned(folder.path());
         assert_eq!(fs::read(&place).expect("the file"), b"all");
         assert_eq!(count(folder.path()), 1);
 
         let part = PartFile::create_in(folder.path(), false).expect("a part file");
-        assert!(part.put(&folder.path().join("none/a"), None).is_err());
+        assert!(part.persist(&folder.path().join("none/a"), None).is_err());
         assert_eq!(count(folder.path()), 1, "what cannot be put is removed");
     }
 
@@ -437,7 +437,7 @@ mod tests {
             for _ in 0..2 {
                 scope.spawn(|| {
                     while !is_done.load(order) {
-                        sweep(folder.path());
+                        remove_abandoned(folder.path());
                     }
                 });
             }
@@ -451,8 +451,9 @@ mod tests {
                             part.file()
                                 .write_all(&round.to_le_bytes())
                                 .expect("written");
-                            part.put(&place, None).expect("put");
-                            let (path, lock) = PartFile::folder_in(folder).expect("a part folder");
+                            part.persist(&place, None).expect("renamed");
+                            let (path, lock) =
+                                PartFile::create_folder_in(folder).expect("a part folder");
                             fs::write(path.join("tile"), b"all").expect("it is still there");
                             // Once its lock is gone a sweep may remove it as well.
                             let _ = fs::remove_dir_all(&path);

@@ -1,13 +1,13 @@
 //! Folders of many files that appear as one.
 
-use super::file_identity::directory_of;
+use super::file_identity::parent_directory;
 use super::part_file::{LOCK, PartFile, unfinished};
 use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A folder being written under a temporary name: removed when dropped, unless [`PartFolder::put`] renames it. Its
+/// A folder being written under a temporary name: removed when dropped, unless [`PartFolder::persist`] renames it. Its
 /// files are not synced to the disk one by one.
 #[derive(Debug)]
 pub struct PartFolder {
@@ -29,7 +29,7 @@ impl PartFolder {
         if fs::symlink_metadata(place).is_ok() {
             return Err(cannot(io::Error::other("it is there already")));
         }
-        let (path, lock) = PartFile::folder_in(directory_of(place)).map_err(cannot)?;
+        let (path, lock) = PartFile::create_folder_in(parent_directory(place)).map_err(cannot)?;
         Ok(Self {
             path,
             place: place.to_owned(),
@@ -46,7 +46,7 @@ impl PartFolder {
     ///
     /// # Errors
     /// Something that is there by now.
-    pub fn put(mut self) -> Result<(), Failure> {
+    pub fn persist(mut self) -> Result<(), Failure> {
         let mut paths = unfinished();
         let put = fs::remove_file(self.path.join(LOCK))
             .and_then(|()| fs::rename(&self.path, &self.place));
@@ -72,7 +72,7 @@ impl Drop for PartFolder {
 
 #[cfg(test)]
 mod tests {
-    use super::super::part_file::{part_name, sweep};
+    use super::super::part_file::{part_name, remove_abandoned};
     use super::*;
 
     #[test]
@@ -82,24 +82,24 @@ mod tests {
         let count = || fs::read_dir(folder.path()).map_or(0, Iterator::count);
         let made = PartFolder::create(&place).expect("a folder");
         fs::write(made.path().join("a"), b"1").expect("written");
-        sweep(folder.path());
+        remove_abandoned(folder.path());
         assert!(count() == 1 && !place.exists());
         drop(made);
         assert_eq!(count(), 0);
         let made = PartFolder::create(&place).expect("a folder");
         fs::write(made.path().join("a"), b"1").expect("written");
-        made.put().expect("put");
+        made.persist().expect("renamed");
         assert_eq!(fs::read_dir(&place).map_or(0, Iterator::count), 1);
         assert!(PartFolder::create(&place).is_err());
         // Of a process that is gone.
         let abandoned = folder.path().join(part_name(1, 0));
         fs::create_dir(&abandoned).expect("a folder");
-        sweep(folder.path());
+        remove_abandoned(folder.path());
         assert!(!abandoned.exists(), "it was killed before it was locked");
         fs::create_dir(&abandoned).expect("a folder");
         fs::write(abandoned.join(LOCK), b"").expect("written");
         fs::write(abandoned.join("tile"), b"half").expect("written");
-        sweep(folder.path());
+        remove_abandoned(folder.path());
         assert!(!abandoned.exists());
     }
 }

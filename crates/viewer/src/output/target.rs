@@ -1,8 +1,8 @@
 //! Output files, checked before the work, and written atomically.
 
-use super::file_identity::{Identity, directory_of, follow};
+use super::file_identity::{Identity, parent_directory, resolve_links};
 use super::journal::Journal;
-use super::part_file::{PartFile, sweep};
+use super::part_file::{PartFile, remove_abandoned};
 use super::unfinished::{Sink, Unfinished, cannot_write};
 use crate::failure::Failure;
 use raycast_core::digest::Digest;
@@ -34,7 +34,7 @@ impl Output {
             Ok(found) if found.is_dir() => return Err(cannot(&"it is a directory")),
             // The end of the links is not used: a pipe's has no name.
             Ok(found) if !found.is_file() => (name.to_owned(), true),
-            Ok(_) | Err(_) => (follow(name).map_err(|error| cannot(&error))?, false),
+            Ok(_) | Err(_) => (resolve_links(name).map_err(|error| cannot(&error))?, false),
         };
         let output = Self {
             name: name.to_owned(),
@@ -46,12 +46,12 @@ impl Output {
             return Err(cannot(&"it names no file"));
         }
         if !is_device {
-            let directory = directory_of(&output.path);
+            let directory = parent_directory(&output.path);
             if !directory.is_dir() {
                 let reason = format!("there is no directory {}", directory.display());
                 return Err(cannot(&reason));
             }
-            sweep(directory);
+            remove_abandoned(directory);
             // Failing now is better than after the work.
             output.create()?;
         }
@@ -89,7 +89,7 @@ impl Output {
         for input in inputs {
             let input = input.as_ref();
             if Identity::of(input).as_ref() == Some(&place) {
-                return Err(used_already(&self.name, input));
+                return Err(input_error(&self.name, input));
             }
         }
         Ok(())
@@ -107,7 +107,7 @@ impl Output {
         for name in names {
             let place = Identity::of(name);
             if let Some((input, _)) = inputs.iter().find(|(_, id)| Some(id) == place.as_ref()) {
-                return Err(used_already(name, input));
+                return Err(input_error(name, input));
             }
         }
         Ok(())
@@ -124,14 +124,14 @@ impl Output {
     /// A directory that cannot be written, a file that is not writable or cannot be replaced.
     pub fn create(&self) -> Result<Unfinished, Failure> {
         let sink = if self.is_device {
-            Sink::Device(self.open_there()?)
+            Sink::Device(self.open_existing()?)
         } else {
             let cannot = |error: io::Error| self.cannot(&error);
             let replaced = self.replaced()?;
-            let mut part = PartFile::create_in(directory_of(&self.path), replaced.is_some())
+            let mut part = PartFile::create_in(parent_directory(&self.path), replaced.is_some())
                 .map_err(cannot)?;
             if let Some(replaced) = &replaced {
-                give_to_owner_of(replaced, part.file()).map_err(|reason| self.cannot(&reason))?;
+                copy_owner(replaced, part.file()).map_err(|reason| self.cannot(&reason))?;
             }
             Sink::Part {
                 part,
@@ -157,14 +157,14 @@ impl Output {
         let beside = |suffix: &str| {
             let mut name = name.clone();
             name.push(suffix);
-            directory_of(&self.path).join(name)
+            parent_directory(&self.path).join(name)
         };
         let mut part =
             PartFile::keep_at(beside(".raycast-part"), replaced.is_some()).map_err(cannot)?;
         let journal =
             Journal::open(beside(".raycast-journal"), key, head, part.file()).map_err(cannot)?;
         if let Some(replaced) = &replaced {
-            give_to_owner_of(replaced, part.file()).map_err(|reason| self.cannot(&reason))?;
+            copy_owner(replaced, part.file()).map_err(|reason| self.cannot(&reason))?;
         }
         let sink = Sink::Part {
             part,
@@ -202,7 +202,7 @@ impl Output {
     /// Those of the system.
     pub fn open_in_place(&self) -> Result<File, Failure> {
         if self.is_device {
-            return self.open_there();
+            return self.open_existing();
         }
         File::create(&self.path).map_err(|error| self.cannot(&error))
     }
@@ -211,7 +211,7 @@ impl Output {
     fn replaced(&self) -> Result<Option<Metadata>, Failure> {
         match fs::metadata(&self.path) {
             Ok(found) => {
-                self.open_there()?;
+                self.open_existing()?;
                 Ok(Some(found))
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -219,7 +219,7 @@ impl Output {
         }
     }
 
-    fn open_there(&self) -> Result<File, Failure> {
+    fn open_existing(&self) -> Result<File, Failure> {
         let opened = File::options().write(true).open(&self.path);
         opened.map_err(|error| self.cannot(&error))
     }
@@ -229,7 +229,7 @@ impl Output {
     }
 }
 
-fn used_already(name: &Path, input: &Path) -> Failure {
+fn input_error(name: &Path, input: &Path) -> Failure {
     let is = if input == name {
         String::new()
     } else {
@@ -249,7 +249,7 @@ fn ends_as_folder(path: &Path) -> bool {
 
 /// Gives a new file the owner and group of the file that it replaces.
 #[cfg(unix)]
-fn give_to_owner_of(replaced: &Metadata, new: &File) -> Result<(), String> {
+fn copy_owner(replaced: &Metadata, new: &File) -> Result<(), String> {
     use std::os::unix::fs::{MetadataExt, fchown};
     let made = new.metadata().map_err(|error| error.to_string())?;
     let owner = (made.uid() != replaced.uid()).then_some(replaced.uid());
@@ -267,7 +267,7 @@ fn give_to_owner_of(replaced: &Metadata, new: &File) -> Result<(), String> {
 }
 
 #[cfg(not(unix))]
-fn give_to_owner_of(_: &Metadata, _: &File) -> Result<(), String> {
+fn copy_owner(_: &Metadata, _: &File) -> Result<(), String> {
     Ok(())
 }
 

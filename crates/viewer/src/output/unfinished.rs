@@ -35,7 +35,7 @@ impl Unfinished {
         let Self { sink, name, path } = self;
         match sink {
             Sink::Part { part, permissions } => part
-                .put(&path, permissions)
+                .persist(&path, permissions)
                 .map_err(|error| cannot_write(&name, &error)),
             Sink::Device(_) => Ok(()),
         }
@@ -72,9 +72,9 @@ impl Unfinished {
     ///
     /// # Errors
     /// As [`Unfinished::append`].
-    pub fn note(&mut self, journal: &mut Journal) -> Result<(), Failure> {
-        let noted = journal.note(self.file());
-        noted.map_err(|error| cannot_write(&self.name, &error))
+    pub fn store_journal(&mut self, journal: &mut Journal) -> Result<(), Failure> {
+        let stored = journal.store(self.file());
+        stored.map_err(|error| cannot_write(&self.name, &error))
     }
 }
 

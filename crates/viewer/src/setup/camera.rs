@@ -164,7 +164,7 @@ fn stereo(args: &CameraArgs, file: Option<Stereo>) -> Result<Option<Stereo>, Fai
 }
 
 /// The failure to make a camera: bad usage if any option concerned it, else a fault of the files.
-pub fn no_camera(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
+pub fn camera_failure(args: &CameraArgs, name: &str, failure: Failure) -> Failure {
     let was_asked = args.size.is_some()
         || args.step.is_some()
         || args.fov.is_some()

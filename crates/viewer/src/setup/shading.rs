@@ -15,7 +15,11 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// A texture that cannot be read, a crop outside of it.
-pub fn paint(scene: &mut Scene, args: &ShadingArgs, reading: &ReadingArgs) -> Result<(), Failure> {
+pub fn apply_textures_and_colors(
+    scene: &mut Scene,
+    args: &ShadingArgs,
+    reading: &ReadingArgs,
+) -> Result<(), Failure> {
     if let Some(path) = &args.texture {
         let mut texture = formats::read_texture_within(path, &memory::budget(reading.limits()))?;
         if let Some(crop) = args.crop {

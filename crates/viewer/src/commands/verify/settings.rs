@@ -94,7 +94,7 @@ impl Request<'_> {
                 },
                 &setup::bounds(&self.stage.scene, &self.stage.accel),
             )
-            .map_err(|failure| setup::no_camera(&args.camera, self.name, failure))?,
+            .map_err(|failure| setup::camera_failure(&args.camera, self.name, failure))?,
         };
         let shading = recipe.map(|recipe| recipe.shading).or(file.shading);
         let samples = args
