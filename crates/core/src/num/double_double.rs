@@ -11,7 +11,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoubleDouble {
     pub(crate) high: f64,
-    low: f64,
+    pub(crate) low: f64,
 }
 
 impl DoubleDouble {

@@ -26,7 +26,7 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
         return false;
     }
     let mut corners = b.into_iter().zip(sure);
-    corners.all(|(corner, sure)| sure == Some(false) || lies_in_plane(corner, a))
+    corners.all(|(corner, sure)| sure == Some(false) || lies_in_plane(corner.as_dvec3(), a))
 }
 
 /// A cache of pairs of triangles, and whether each pair lies in one plane.

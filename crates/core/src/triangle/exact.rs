@@ -2,6 +2,7 @@
 
 use super::Nearest;
 use crate::hit::Cull;
+use crate::num::double_double::DoubleDouble;
 use crate::num::exact::{
     Scale, Vector, compare_scaled, cross, decompose, dot, ratio, sized, subtract,
 };
@@ -86,6 +87,12 @@ pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
         let [a, b, c] = placed.relative_to::<I>(eye, lengths);
         dot(&a, &cross(&b, &c)).sign() == Ordering::Equal
     }
+    let Placed { corners, origin } = *placed;
+    // The difference mostly is a double, and then with far fewer digits than its two terms have between them.
+    let lost = |axis| DoubleDouble::difference(eye[axis], origin[axis]).low != 0.0;
+    if !(0..3).any(lost) {
+        return lies_in_plane(eye - origin, corners);
+    }
     let lengths = Scale::of_vectors(placed.vectors().iter().chain([&eye]));
     let none = Scale::of([]);
     sized!(lengths, none, of(eye, placed, lengths))
@@ -117,14 +124,14 @@ pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
 const SHORTEST: u32 = 40;
 
 /// Whether a point lies in the plane of a triangle: det(b − a, c − a, p − a) is zero.
-pub(super) fn lies_in_plane(point: Vec3, corners: [Vec3; 3]) -> bool {
+pub(super) fn lies_in_plane(point: DVec3, corners: [Vec3; 3]) -> bool {
     fn of<I: Integer>(points: [DVec3; 4], lengths: Scale) -> bool {
         let [a, b, c, p] = points.map(|point| lengths.vector::<I>(point));
         let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
         dot(&subtract(&p, &a), &normal).sign() == Ordering::Equal
     }
-    let [a, b, c] = corners;
-    let points = [a, b, c, point].map(Vec3::as_dvec3);
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let points = [a, b, c, point];
     let lengths = Scale::of_vectors(&points);
     if lengths.bits <= SHORTEST {
         return of::<i128>(points, lengths);
@@ -331,6 +338,12 @@ mod tests {
                 assert!(!plane_holds((origin + eye).with_x(next), &here));
             }
         }
+        // The difference of eye and origin is not a double; the plane is y = z.
+        let corners_of_y = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
+        let here = placed(corners_of_y, DVec3::X * 2f64.powi(-80));
+        let eye = DVec3::new(1.0, 5.0, 5.0);
+        assert!(plane_holds(eye, &here));
+        assert!(!plane_holds(eye.with_z(5f64.next_up()), &here));
         assert!(plane_is_along(b - c * 0.125, corners) && plane_is_along(c, corners));
         assert!(!plane_is_along(b.with_y(b.y.next_up()), corners));
     }
