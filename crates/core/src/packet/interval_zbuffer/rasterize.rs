@@ -5,6 +5,7 @@
 use super::depth_merge::{DepthMerge, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
 use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, stored_primitive};
+use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
 use crate::packet::decisions::Decisions;
@@ -28,10 +29,10 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 /// layers are merged ray by ray for longer.
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
 
-/// The most runs of equal stored triangles in a cell, ray by ray, for that comparison, which takes one test a run.
-/// Layers leave a few triangles in long runs. With a larger number comparing takes longer than merging the eight rows;
-/// with a smaller one, cells where layers cross are merged ray by ray.
-const MOST_STORED: u32 = 16;
+/// The most triangles stored in a cell for that comparison, which takes one test each. Layers leave a few triangles in
+/// long runs. With a larger number comparing takes longer than merging the eight rows; with a smaller one, cells where
+/// layers cross are merged ray by ray.
+const MOST_STORED: usize = 16;
 
 /// Columns of a row of rays.
 pub(super) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -370,28 +371,39 @@ impl IntervalZBuffer {
     /// For cells in which depths have left orders undecided.
     #[inline(never)]
     pub(super) fn is_behind_stored(
-        &self,
+        &mut self,
         primitive: u32,
         (cell, places): (usize, &PlacesWithin),
         decisions: &mut Decisions<'_>,
     ) -> bool {
         let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
-        let (mut last, mut found) = (None, 0);
+        let (mut nearer, mut found) = ([MISS; MOST_STORED], 0);
+        let mut last = MISS;
         for row in 0..ROW {
-            for ray in first + row * SIDE..first + row * SIDE + ROW {
-                let stored = self.primitives[ray];
+            let Some((low, _, stored)) = self.rays(first + row * SIDE) else {
+                return false;
+            };
+            // Layers mostly fill a row with one triangle.
+            if last != MISS && *stored == [last; ROW] {
+                continue;
+            }
+            for (&low, &stored) in low.iter().zip(&*stored) {
                 // Entries without a ray are infinitely near.
-                if Some(stored) == last || self.low[ray] == f32::INFINITY {
+                if low == f32::INFINITY {
                     continue;
                 }
                 let Some(other) = stored_primitive(stored) else {
                     return false;
                 };
-                found += 1;
-                if found > MOST_STORED || !decisions.is_first_within([other, primitive], places) {
+                last = stored;
+                if nearer[..found].contains(&stored) {
+                    continue;
+                }
+                if found == MOST_STORED || !decisions.is_first_within([other, primitive], places) {
                     return false;
                 }
-                last = Some(stored);
+                nearer[found] = stored;
+                found += 1;
             }
         }
         true
