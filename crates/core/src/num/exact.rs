@@ -10,9 +10,11 @@ use super::wide::Wide;
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
-/// Long enough for corners of 24 bits whose magnitudes differ by a factor of a million at most, and rays of 53 bits.
-/// [`Long`] holds what the whole range of single precision needs.
+/// Long enough for corners of 24 bits whose magnitudes differ by a factor of a million at most, and rays of 53 bits;
+/// [`Medium`] for magnitudes that differ by a factor of 10³⁶. [`Long`] holds what the whole range of single precision
+/// needs.
 pub(crate) type Short = Wide<10>;
+pub(crate) type Medium = Wide<16>;
 pub(crate) type Long = Wide<32>;
 
 /// A number as `mantissa · 2^exponent`, the mantissa odd or zero.
@@ -69,34 +71,37 @@ impl Scale {
         Self::of(vectors.into_iter().flat_map(|v| v.to_array()))
     }
 
+    fn integer<I: Integer>(self, x: f64) -> I {
+        let (mantissa, own) = decompose(x);
+        if mantissa == 0 {
+            I::shifted(0, 0)
+        } else {
+            I::shifted(mantissa, (own - self.exponent) as u32)
+        }
+    }
+
     pub(crate) fn vector<I: Integer>(self, v: DVec3) -> Vector<I> {
-        v.to_array().map(|x| {
-            let (mantissa, own) = decompose(x);
-            if mantissa == 0 {
-                I::shifted(0, 0)
-            } else {
-                I::shifted(mantissa, (own - self.exponent) as u32)
-            }
-        })
+        [self.integer(v.x), self.integer(v.y), self.integer(v.z)]
     }
 }
+
+// What follows names each component, since mapping arrays moves their long integers several times: exact hits took
+// two and a half times as long.
 
 pub(crate) type Vector<I> = [I; 3];
 
 pub(crate) fn subtract<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
-    std::array::from_fn(|i| a[i].minus(&b[i]))
+    [a[0].minus(&b[0]), a[1].minus(&b[1]), a[2].minus(&b[2])]
 }
 
 pub(crate) fn cross<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j].times(&b[k]).minus(&a[k].times(&b[j]))
-    })
+    let component = |j: usize, k: usize| a[j].times(&b[k]).minus(&a[k].times(&b[j]));
+    [component(1, 2), component(2, 0), component(0, 1)]
 }
 
 pub(crate) fn dot<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> I {
-    let [x, y, z] = [0, 1, 2].map(|i| a[i].times(&b[i]));
-    x.plus(&y).plus(&z)
+    let in_plane = a[0].times(&b[0]).plus(&a[1].times(&b[1]));
+    in_plane.plus(&a[2].times(&b[2]))
 }
 
 /// Runs a function with integers long enough for its intermediate results.
@@ -112,6 +117,8 @@ macro_rules! sized {
         let digits = (5 * l + d + 18).max(2 * l + d + 9 + 53) + 2 * 64;
         if digits <= 10 * 64 {
             $work::<$crate::num::exact::Short>($($argument),*)
+        } else if digits <= 16 * 64 {
+            $work::<$crate::num::exact::Medium>($($argument),*)
         } else if digits <= 32 * 64 {
             $work::<$crate::num::exact::Long>($($argument),*)
         } else {

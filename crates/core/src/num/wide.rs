@@ -20,15 +20,20 @@ pub(crate) struct Wide<const N: usize> {
 }
 
 impl<const N: usize> Wide<N> {
-    fn of(is_negative: bool, limbs: [u64; N], most: usize) -> Self {
-        let mut len = most.min(N);
-        while len > 0 && limbs[len - 1] == 0 {
-            len -= 1;
-        }
+    /// Zero. Results are computed in place, since copying long numbers takes longer than computing with short ones.
+    fn zero(is_negative: bool) -> Self {
         Self {
             is_negative,
-            len,
-            limbs,
+            len: 0,
+            limbs: [0; N],
+        }
+    }
+
+    /// Counts the limbs in use, which are at most `most`.
+    fn count(&mut self, most: usize) {
+        self.len = most.min(N);
+        while self.len > 0 && self.limbs[self.len - 1] == 0 {
+            self.len -= 1;
         }
     }
 
@@ -46,33 +51,35 @@ impl<const N: usize> Wide<N> {
     )]
     fn add(&self, other: &Self, other_is_negative: bool) -> Self {
         if self.is_negative == other_is_negative {
-            let mut limbs = [0; N];
+            let mut total = Self::zero(self.is_negative);
             let most = self.len.max(other.len);
             let mut carry = false;
             for i in 0..most {
                 let (sum, over) = self.limbs[i].overflowing_add(other.limbs[i]);
                 let (sum, over_again) = sum.overflowing_add(carry.into());
-                limbs[i] = sum;
+                total.limbs[i] = sum;
                 carry = over | over_again;
             }
             if carry {
-                limbs[most] = 1;
+                total.limbs[most] = 1;
             }
-            return Self::of(self.is_negative, limbs, most + 1);
+            total.count(most + 1);
+            return total;
         }
         let (greater, lesser, is_negative) = match self.magnitudes(other) {
             Ordering::Less => (other, self, other_is_negative),
             _ => (self, other, self.is_negative),
         };
-        let mut limbs = [0; N];
+        let mut total = Self::zero(is_negative);
         let mut borrow = false;
         for i in 0..greater.len {
             let (rest, under) = greater.limbs[i].overflowing_sub(lesser.limbs[i]);
             let (rest, under_again) = rest.overflowing_sub(borrow.into());
-            limbs[i] = rest;
+            total.limbs[i] = rest;
             borrow = under | under_again;
         }
-        Self::of(is_negative, limbs, greater.len)
+        total.count(greater.len);
+        total
     }
 
     fn shifted_left(&self, shift: u32) -> Self {
@@ -80,23 +87,30 @@ impl<const N: usize> Wide<N> {
             return *self;
         }
         let (whole, part) = ((shift / LIMB) as usize, shift % LIMB);
-        let mut limbs = [0; N];
+        let mut shifted = Self::zero(self.is_negative);
         for i in 0..self.len {
             let wide = u128::from(self.limbs[i]) << part;
-            limbs[i + whole] |= wide as u64;
+            shifted.limbs[i + whole] |= wide as u64;
             if wide >> LIMB != 0 {
-                limbs[i + whole + 1] |= (wide >> LIMB) as u64;
+                shifted.limbs[i + whole + 1] |= (wide >> LIMB) as u64;
             }
         }
-        Self::of(self.is_negative, limbs, self.len + whole + 1)
+        shifted.count(self.len + whole + 1);
+        shifted
     }
 }
 
 impl<const N: usize> Integer for Wide<N> {
     fn shifted(mantissa: i64, shift: u32) -> Self {
-        let mut limbs = [0; N];
-        limbs[0] = mantissa.unsigned_abs();
-        Self::of(mantissa < 0, limbs, 1).shifted_left(shift)
+        let mut number = Self::zero(mantissa < 0);
+        let (whole, part) = ((shift / LIMB) as usize, shift % LIMB);
+        let wide = u128::from(mantissa.unsigned_abs()) << part;
+        number.limbs[whole] = wide as u64;
+        if wide >> LIMB != 0 {
+            number.limbs[whole + 1] = (wide >> LIMB) as u64;
+        }
+        number.count(whole + 2);
+        number
     }
 
     fn plus(&self, other: &Self) -> Self {
@@ -108,21 +122,21 @@ impl<const N: usize> Integer for Wide<N> {
     }
 
     fn times(&self, other: &Self) -> Self {
-        let mut limbs = [0; N];
+        let mut product = Self::zero(self.is_negative != other.is_negative);
         for i in 0..self.len {
             let mut carry = 0;
             for j in 0..other.len {
-                let product = u128::from(self.limbs[i]) * u128::from(other.limbs[j]);
-                let sum = product + u128::from(limbs[i + j]) + carry;
-                limbs[i + j] = sum as u64;
+                let term = u128::from(self.limbs[i]) * u128::from(other.limbs[j]);
+                let sum = term + u128::from(product.limbs[i + j]) + carry;
+                product.limbs[i + j] = sum as u64;
                 carry = sum >> LIMB;
             }
             if carry != 0 {
-                limbs[i + other.len] = carry as u64;
+                product.limbs[i + other.len] = carry as u64;
             }
         }
-        let is_negative = self.is_negative != other.is_negative;
-        Self::of(is_negative, limbs, self.len + other.len)
+        product.count(self.len + other.len);
+        product
     }
 
     fn sign(&self) -> Ordering {
