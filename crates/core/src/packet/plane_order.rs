@@ -14,6 +14,9 @@
 //! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
 //! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
 //! extent of cells, are in single precision: F moves by its slope times [`PLACE_ERROR`].
+//!
+//! Next to the eye, planes that are far apart compared with their distance from it may still be closer than sₖ in double
+//! precision are to the truth. Then the sₖ are computed in double-double arithmetic.
 
 use super::params::{CELLS, ROW};
 use super::setup::{Linear, PacketSpace, REACH};
@@ -27,6 +30,11 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The error of places in single precision: of a ray's, or of a cell's centre and half of its extent.
 const PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
+
+/// The error of an order, as a share of the greatest |F| in the packet, up to which distances in double precision
+/// suffice: no more rays than this share of a packet lie next to where F is zero. With a smaller share more pairs are
+/// computed again, in 10 times the time; with a larger one, more rays are cast one by one.
+const ACCURATE: f64 = 1.0 / (1u64 << 16) as f64;
 
 /// Pairs of triangles, and planes, in the cache. A cell seldom shows more triangles at once; more entries would push
 /// the packet out of the first-level cache.
@@ -69,12 +77,21 @@ impl PlaneOrder {
         error: f64::INFINITY,
     };
 
-    /// The order of a plane's triangle and another one.
-    fn new(plane: &TurnedPlane, corners: [Vec3; 3], edges: &Edges) -> Self {
+    /// The order of two triangles: by the plane of the first, and the edge functions of the second.
+    fn new(plane: &TurnedPlane, [first, second]: [[Vec3; 3]; 2], edges: &Edges) -> Self {
         let Some(plane) = plane else {
             return Self::UNKNOWN;
         };
-        let distances = corners.map(|corner| plane.distance(corner));
+        let order = Self::by_distances(second.map(|corner| plane.distance(corner)), edges);
+        if order.error <= ACCURATE * order.function.reach() {
+            return order;
+        }
+        let distance = |corner| plane.distance_in_double_double(first, corner);
+        Self::by_distances(second.map(distance), edges)
+    }
+
+    /// The order by the distances of the second triangle's corners from the plane, each with its error.
+    fn by_distances(distances: [(f64, f64); 3], edges: &Edges) -> Self {
         let are_all = |sign: f64| {
             let mut all = distances.iter();
             all.all(|(distance, error)| distance * sign > error + LEAST)
@@ -99,7 +116,7 @@ impl PlaneOrder {
             function.constant += distance * edge.constant;
             function.x += distance * edge.x;
             function.y += distance * edge.y;
-            let most = edge.constant.abs() + REACH * edge.slope();
+            let most = edge.reach();
             error += distance.abs() * (edge_error + 6.0 * EPSILON * most)
                 + distance_error * (most + edge_error);
         }
@@ -234,11 +251,14 @@ impl PlaneOrders {
             if *of != first {
                 (*of, *plane) = (first, turned(space, corners(first)));
             }
-            let corners = corners(second);
+            let of_second = corners(second);
             if cache.edges.0 != second {
-                cache.edges = (second, space.edges_in_double(corners));
+                cache.edges = (second, space.edges_in_double(of_second));
             }
-            (*cached, *order) = (pair, PlaneOrder::new(plane, corners, &cache.edges.1));
+            (*cached, *order) = (
+                pair,
+                PlaneOrder::new(plane, [corners(first), of_second], &cache.edges.1),
+            );
         }
         *order
     }
@@ -347,6 +367,68 @@ mod tests {
         }
     }
 
+    /// Of large triangles around the eye, a rounding of their corners away from it, those two whose planes are closest:
+    /// closer than double precision tells distances from them. With those alone this fails.
+    #[test]
+    fn planes_next_to_the_eye_are_ordered_as_exact_arithmetic_orders_them() {
+        let mut random = Random(77);
+        let [mut hits, mut decided] = [0; 2];
+        for _ in 0..600 {
+            let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.02);
+            let eye = camera.placement().eye;
+            let across = camera.forward().any_orthogonal_vector();
+            let around = [across, camera.forward().cross(across)];
+            let mut layer = || {
+                [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(s, t)| {
+                    let off = random.point() * 6e-8;
+                    (eye + around[0] * s + around[1] * t + off).as_vec3()
+                })
+            };
+            let mut layers: Vec<(f64, [Vec3; 3])> = (0..60)
+                .map(|_| {
+                    let corners = layer();
+                    let [a, b, c] = corners.map(Vec3::as_dvec3);
+                    ((b - a).cross(c - a).normalize().dot(a - eye), corners)
+                })
+                .collect();
+            layers.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            let apart = |pair: &&[(f64, [Vec3; 3])]| pair[1].0 - pair[0].0;
+            let closest = layers
+                .windows(2)
+                .filter(|pair| pair[0].1 != pair[1].1)
+                .min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            let closest = closest.expect("layers differ");
+            let pair = [closest[0].1, closest[1].1];
+            let space = space(&camera, DVec3::ZERO, Cull::None);
+            let mut orders = PlaneOrders::new();
+            orders.set_rays(&space);
+            let placed = pair.map(|corners| Placed {
+                corners,
+                origin: DVec3::ZERO,
+            });
+            for place in [2.0, 9.0, 20.0, 31.0] {
+                let ray = camera.ray(place + 0.5, place + 0.5);
+                let truth = exact::compare(&ray, &placed[0], &placed[1], Cull::None);
+                let Some(truth) = truth.filter(|order| order.is_ne()) else {
+                    continue;
+                };
+                hits += 1;
+                let places = (&[place as f32; LANES], &[place as f32; LANES]);
+                let order = orders.of_eight([0, 1], places, |primitive| pair[primitive as usize]);
+                match order {
+                    [0xff, 0] => assert_eq!(truth, Ordering::Less, "{pair:?} {eye} {place}"),
+                    [0, 0xff] => assert_eq!(truth, Ordering::Greater, "{pair:?} {eye} {place}"),
+                    _ => continue,
+                }
+                decided += 1;
+            }
+        }
+        assert!(
+            hits > 500 && decided * 100 > hits * 99,
+            "{decided} of {hits}"
+        );
+    }
+
     /// Where two planes cross between a ray and its place in single precision, the place does not decide. With
     /// [`PLACE_ERROR`] at zero this fails.
     #[test]
@@ -360,10 +442,11 @@ mod tests {
             y: 0.0,
         };
         // Distances of 1, −1 and 0 from the plane z = 0, and edge functions whose difference is x − crossing.
-        let plane = Plane::new([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let first = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let plane = Plane::new(first);
         let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
         let edges = [edge(1.0, 0.0), edge(0.0, crossing), edge(0.0, 1.0)];
-        let order = PlaneOrder::new(&Some(plane), corners, &Some((edges, 0.0)));
+        let order = PlaneOrder::new(&Some(plane), [first, corners], &Some((edges, 0.0)));
         let of = |x: f64| order.of_eight((&[x as f32; LANES], &[0.0; LANES]));
         assert_eq!(of(place), [0, 0]);
         assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
@@ -384,13 +467,14 @@ mod tests {
     /// With the error of edge functions at zero this fails.
     #[test]
     fn sums_within_the_error_of_edge_functions_decide_nothing() {
-        let plane = Plane::new([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let first = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let plane = Plane::new(first);
         let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
         let of = |more: f64| {
             let edges = [constant(1.0 + more), constant(1.0), constant(1.0)];
             signs(&PlaneOrder::new(
                 &Some(plane),
-                corners,
+                [first, corners],
                 &Some((edges, 1e-9)),
             ))
         };
@@ -407,11 +491,14 @@ mod tests {
             let mut whole = || [(); 3].map(|()| (random.signed() * 1048576.0).round());
             let [a, b, c] = [whole(), whole(), whole()].map(DVec3::from_array);
             let at = |s: f64, t: f64| (a + (b - a) * s + (c - a) * t).as_vec3();
-            let plane = Plane::new([a, b, c].map(|corner| corner.as_vec3()));
+            let first = [a, b, c].map(|corner| corner.as_vec3());
+            let plane = Plane::new(first);
             let corners = [at(2.0, -3.0), at(-1.0, 3.0), at(3.0, 2.0)];
-            let edges = [constant(1.0), constant(2.0), constant(0.5)];
-            let order = PlaneOrder::new(&Some(plane), corners, &Some((edges, 0.0)));
+            let edges = Some(([constant(1.0), constant(2.0), constant(0.5)], 0.0));
+            let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), &edges);
             assert_eq!(signs(&order), [0, 0], "{a} {b} {c}");
+            let wide = PlaneOrder::new(&Some(plane), [first, corners], &edges);
+            assert_eq!(signs(&wide), [0, 0], "{a} {b} {c}");
             rounded += u32::from(order.function.constant != 0.0);
         }
         assert!(rounded > 200, "{rounded}");

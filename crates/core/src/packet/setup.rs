@@ -436,6 +436,12 @@ impl Linear {
         self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
     }
 
+    /// The greatest magnitude in a packet.
+    #[inline(always)]
+    pub(super) fn reach(self) -> f64 {
+        self.constant.abs() + REACH * self.slope()
+    }
+
     /// The greatest change from ray to ray.
     #[inline(always)]
     pub(super) fn slope(self) -> f64 {

@@ -212,6 +212,17 @@ fn dot(a: WideVector, b: WideVector) -> DoubleDouble {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// (p−a)·((b−a)×(c−a)) in double-double arithmetic: the distance of p from a triangle's plane times the normal's length.
+///
+/// Differences of corners are exact, so that the bound of [`Determinants::in_double_double`] holds.
+pub(super) fn plane_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> Determinant {
+    let from_a = |to: Vec3| {
+        let difference = |axis| DoubleDouble::difference(to[axis].into(), a[axis].into());
+        WideFactor::of([0, 1, 2].map(difference))
+    };
+    best_determinant(&from_a(point), &[(&from_a(b), &from_a(c))])
+}
+
 fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
     Determinant::new(a, b, c, 9.0 * EPSILON)
 }

@@ -16,6 +16,7 @@
 //! n·d by 8εΣp|d|. A vector that is off by η more adds ηΣp.
 
 use super::Nearest;
+use super::componentwise::{Determinant, plane_distance};
 use glam::{DVec3, Vec3};
 
 /// The unit roundoff of double precision.
@@ -40,6 +41,8 @@ pub(crate) struct Plane {
     corner: DVec3,
     /// n.
     normal: DVec3,
+    /// −1 where the normal was turned, else 1.
+    turn: f64,
     /// p.
     magnitude: DVec3,
 }
@@ -53,6 +56,7 @@ impl Plane {
         Self {
             corner: a,
             normal: plus - minus,
+            turn: 1.0,
             magnitude: plus.abs() + minus.abs(),
         }
     }
@@ -62,7 +66,8 @@ impl Plane {
     pub(crate) fn turned_along(mut self, direction: DVec3, error: f64) -> Option<Self> {
         let value = self.normal.dot(direction);
         let error = self.error(direction.abs()) + error * self.magnitude.element_sum();
-        self.normal *= value.signum();
+        self.turn = value.signum();
+        self.normal *= self.turn;
         // NaN fails this comparison.
         (value.abs() > error + LEAST).then_some(self)
     }
@@ -77,6 +82,12 @@ impl Plane {
     pub(crate) fn distance(&self, point: Vec3) -> (f64, f64) {
         let relative = point.as_dvec3() - self.corner;
         (self.normal.dot(relative), self.error(relative.abs()))
+    }
+
+    /// [`Plane::distance`] in double-double arithmetic; `corners` are the plane's.
+    pub(crate) fn distance_in_double_double(&self, corners: [Vec3; 3], point: Vec3) -> (f64, f64) {
+        let Determinant { value, error } = plane_distance(point, corners);
+        (value * self.turn, error)
     }
 
     /// The bound on the error of a product with the normal.

@@ -72,6 +72,11 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("layers_a_rounding_apart", rounded_layers),
     timed("layers_apart_by_subnormal_numbers", subnormal_layers),
     timed("eye_next_to_a_corner_of_layers", next_to_layers),
+    timed(
+        "eye_at_a_vertex_of_thousands_far_from_the_origin",
+        far_vertex,
+    ),
+    timed("eye_between_layers", between_layers),
 ];
 
 macro_rules! case {
@@ -170,6 +175,18 @@ pub(super) const CASES: &[Case] = &[
         next_to_layers,
         (24, 18),
         "The eye next to the corner that 2,000 layers share but for roundings: beside the far edge's, the edge functions of the two near edges are zero."
+    ),
+    case!(
+        "eye_at_a_vertex_of_thousands_far_from_the_origin",
+        far_vertex,
+        (24, 18),
+        "The eye at a vertex that 4,000 triangles share, a million units from the origin: each packet asks each of them whether its plane holds the eye, whose place relative to the tree double precision may round."
+    ),
+    case!(
+        "eye_between_layers",
+        between_layers,
+        (24, 18),
+        "The eye between 200 layers a rounding apart: planes next to it are closer together than double precision tells a corner's distance from them."
     ),
 ];
 
@@ -417,4 +434,36 @@ fn next_to_layers() -> ScenePair {
     let [hostile, ordinary] = layers(2000, LAYER);
     let away = DVec3::new(1e-8, 2e-8, 1e-7);
     pair(to_f32(LAYER[0]) + away, hostile, ordinary)
+}
+
+/// 4,000 triangles with a corner at the eye, a million units from the origin.
+fn far_vertex() -> ScenePair {
+    let far = DVec3::new(-800_817.0, 281_754.0, 893_990.0);
+    let eye = far + EYE;
+    let mut random = Random::new(470);
+    // Sixteenths are represented exactly, wherever the mesh's offset is.
+    let mut sixteenths = || far + (random.in_cube() * 32.0).round() / 16.0;
+    let fan: Vec<[DVec3; 3]> = (0..4000)
+        .map(|_| [eye, sixteenths(), sixteenths()])
+        .collect();
+    let mut moved = |corner: DVec3| corner + random.in_cube() * 0.3;
+    let ordinary: Vec<[DVec3; 3]> = fan.iter().map(|corners| corners.map(&mut moved)).collect();
+    let view_of = |corners: &[[DVec3; 3]]| SceneView {
+        scene: single_mesh(soup(corners)),
+        view: (eye, far, 2.0),
+    };
+    ScenePair {
+        hostile: view_of(&fan),
+        ordinary: view_of(&ordinary),
+    }
+}
+
+/// 200 triangles about the eye, across the view, their corners a rounding or so from one plane.
+fn between_layers() -> ScenePair {
+    let eye = DVec3::new(-0.436, -2.63, 2.683);
+    let across = eye.normalize().any_orthonormal_vector();
+    let up = eye.normalize().cross(across);
+    let corners = [up - across, up + across, -up].map(|corner| eye + corner);
+    let [hostile, ordinary] = layers(200, corners);
+    pair(eye, hostile, ordinary)
 }
