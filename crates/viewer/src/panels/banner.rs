@@ -3,6 +3,7 @@
 use super::widgets::select_all;
 use super::{Commands, Status};
 use crate::state::command::Command;
+use crate::state::effect::Keep;
 use crate::state::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use crate::ui::registry::{Keymap, action};
 use crate::ui::theme;
@@ -256,10 +257,15 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
         .as_ref()
         .map_or("The scene", |document| &document.name);
     let before = match pending {
-        Pending::Close => "closing",
-        Pending::Reload => "reading it again",
-        Pending::CopyCommand => "copying the command that makes the picture",
-        Pending::Open(_) | Pending::Case(_) | Pending::Neighbor(_) => "opening another",
+        Pending::Close => "closing".to_owned(),
+        Pending::CopyCommand => "copying the command that makes the picture".to_owned(),
+        Pending::Open => match &state.arrived {
+            Some(arrived) if arrived.keep == Keep::All => {
+                "showing the files as they are now".to_owned()
+            }
+            Some(arrived) => format!("opening {}", arrived.document.name),
+            None => "opening another".to_owned(),
+        },
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());

@@ -46,16 +46,10 @@ pub struct Prompt {
 }
 
 /// An action that would lose unsaved changes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pending {
-    /// Opening files.
-    Open(Vec<PathBuf>),
-    /// Opening a hard case.
-    Case(&'static str),
-    /// Opening a neighbour in the folder.
-    Neighbor(i32),
-    /// Reloading the scene.
-    Reload,
+    /// Showing the scene that has arrived.
+    Open,
     /// Copying the command that makes the picture, for which the scene must be saved.
     CopyCommand,
     /// Closing the window.

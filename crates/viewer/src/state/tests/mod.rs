@@ -11,13 +11,14 @@ use super::command::Command;
 use super::effect::Effect;
 use super::update::{advance, middle, update};
 use super::*;
+use crate::state::arrival::Loaded;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
 use crate::state::insertion::Insertion;
 use crate::state::inspection::{Checked, Fault, Shown};
 use crate::state::measure::{Kind, Measurement};
 use crate::state::motion;
-use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
+use crate::state::news::{DialogAnswer, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
 use crate::state::{Answer, Replacing, TILES_LIMIT};
 use raycast_core::camera::{
