@@ -3,6 +3,7 @@
 use super::arrival;
 use super::as_command;
 use super::effect::{Effect, Keep};
+use super::listing::{Listing, folder_of, path_of};
 use super::names::suggested_name;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use raycast_core::formats::DrawingFormat;
@@ -20,8 +21,25 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
         kind,
         text,
         dialog: true,
+        listing: None,
     });
     Effect::Dialog(kind)
+}
+
+/// Sets the path line's text; reads the names in its folder, if that is another one.
+pub(super) fn type_path(state: &mut State, text: String) -> Option<Effect> {
+    let prompt = state.prompt.as_mut()?;
+    prompt.text = text;
+    let folder = folder_of(prompt.text.trim_start());
+    if (prompt.listing.as_ref()).is_some_and(|listing| listing.folder == folder) {
+        return None;
+    }
+    let (folder, kind) = (folder.to_owned(), prompt.kind);
+    prompt.listing = Some(Listing {
+        folder: folder.clone(),
+        names: Vec::new(),
+    });
+    Some(Effect::List(folder, kind))
 }
 
 /// Accepts the path line's text.
@@ -34,10 +52,7 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     if prompt.kind.saves() {
         text = with_one_ending(text, &suggested_name(state, prompt.kind));
     }
-    let path = match text.strip_prefix("~/").zip(std::env::home_dir()) {
-        Some((rest, home)) => home.join(rest),
-        None => PathBuf::from(text),
-    };
+    let path = path_of(text);
     // Kept until the files are read: if they cannot be, the path can be corrected.
     let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
     state.typed = opens.then(|| prompt.clone());

@@ -21,6 +21,7 @@ mod inspect;
 pub mod inspection;
 pub mod lengths;
 mod list_order;
+pub mod listing;
 pub mod manipulator;
 pub mod measure;
 pub mod motion;

@@ -6,6 +6,7 @@ use super::document::Tree;
 use super::effect::Effect;
 use super::files;
 use super::inspection::{Checked, Sized};
+use super::listing::Listing;
 use super::objects;
 use super::{PromptKind, Replacing, State};
 use raycast_core::formats::LengthUnit;
@@ -71,6 +72,8 @@ pub enum News {
     NotSaved(String),
     /// A file of the scene has changed on the disk.
     Changed(PathBuf),
+    /// The names in the folder of a path were read.
+    Listed(Listing),
     /// A dialog has ended.
     Dialog(PromptKind, DialogAnswer),
 }
@@ -192,6 +195,15 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 return None;
             }
             return files::reload(state);
+        }
+        News::Listed(listing) => {
+            let awaited = state
+                .prompt
+                .as_mut()
+                .and_then(|prompt| prompt.listing.as_mut());
+            if let Some(awaited) = awaited.filter(|awaited| awaited.folder == listing.folder) {
+                *awaited = listing;
+            }
         }
         News::Dialog(kind, answer) => return answered(state, kind, answer),
     }

@@ -1,5 +1,6 @@
 //! State that is never stored: questions, messages, text fields.
 
+use super::listing::Listing;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -43,6 +44,8 @@ pub struct Prompt {
     pub text: String,
     /// Whether a desktop dialog is open as well.
     pub dialog: bool,
+    /// The names in its path's folder; `None` until something is typed.
+    pub listing: Option<Listing>,
 }
 
 /// An action that would lose unsaved changes.

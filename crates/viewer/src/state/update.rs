@@ -317,11 +317,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
                 };
             }
         }
-        Command::TypePath(text) => {
-            if let Some(prompt) = &mut state.prompt {
-                prompt.text = text;
-            }
-        }
+        Command::TypePath(text) => return files::type_path(state, text),
         Command::ConfirmPath => return files::confirm(state),
         Command::Open(paths) => {
             state.typed = None;
