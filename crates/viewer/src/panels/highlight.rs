@@ -127,7 +127,8 @@ const MOST_STEPS: f64 = 48.0;
 fn parts(state: &State, camera: &Camera, lines: &[[DVec3; 2]]) -> Vec<([DVec3; 2], bool)> {
     let count = |[from, to]: [DVec3; 2]| {
         let (a, b) = camera.project(from).zip(camera.project(to))?;
-        let steps = ((a.0 - b.0).hypot(a.1 - b.1) / STEP).ceil();
+        let (across, down) = (a.0 - b.0, a.1 - b.1);
+        let steps = ((across * across + down * down).sqrt() / STEP).ceil();
         Some(steps.clamp(1.0, MOST_STEPS) as usize)
     };
     let counts = lines.iter().map(|&line| count(line).unwrap_or(0));

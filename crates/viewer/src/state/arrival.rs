@@ -126,6 +126,7 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
         state.tell("Read again");
         return recipe;
     }
+    state.scenes += 1;
     state.trail = Default::default();
     bookmarks::recall(state);
     state.locked = Arc::default();

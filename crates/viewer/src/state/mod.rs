@@ -174,6 +174,8 @@ pub struct State {
     pub typed: Option<Prompt>,
     /// The action that waits for an answer about unsaved changes.
     pub question: Option<Pending>,
+    /// Counts scenes that took the place of what was open; one that is read again does not.
+    pub scenes: u64,
     /// The scene that has been read, until the question about unsaved changes is answered.
     pub arrived: Option<Box<Loaded>>,
     /// The action that follows when the scene has been saved.
@@ -247,6 +249,7 @@ impl Default for State {
             prompt: None,
             typed: None,
             question: None,
+            scenes: 0,
             arrived: None,
             after_saving: None,
             replacing: None,

@@ -154,15 +154,18 @@ fn a_scene_that_was_read_waits_for_the_answer_about_unsaved_changes() {
     receive(&mut state, other(), Duration::ZERO);
     assert_eq!(names(&state).len(), 3, "nothing was changed");
     update(&mut state, Command::Rename(0, "lid".to_owned()));
+    let scenes = state.scenes;
     receive(&mut state, loaded(1, None), Duration::ZERO);
     assert_eq!(state.question, Some(Pending::Open));
     assert_eq!(names(&state), ["lid", "object 1", "object 2"]);
+    assert_eq!(state.scenes, scenes, "its picture stays");
     update(&mut state, Command::Answer(Answer::Stay));
     assert!(state.arrived.is_none() && state.question.is_none() && state.has_unsaved());
 
     receive(&mut state, loaded(1, None), Duration::ZERO);
     update(&mut state, Command::Answer(Answer::Discard));
     assert_eq!(names(&state), ["object 0"]);
+    assert_eq!(state.scenes, scenes + 1);
 
     // Saved first, and then shown; not if saving fails.
     update(&mut state, Command::Rename(0, "lid".to_owned()));
