@@ -93,6 +93,25 @@ impl Mesh {
         }
     }
 
+    /// Whether [`Mesh::values`] gives an answer without computing curvatures first.
+    pub fn knows_values(&self, quantity: &Quantity) -> bool {
+        match quantity {
+            Quantity::Curvature(_) => self.measures().curvatures.get().is_some(),
+            Quantity::Distance(_) | Quantity::Area | Quantity::Scalar(_) => true,
+        }
+    }
+
+    /// Whether [`Mesh::value_range`] gives an answer without visiting the whole mesh first.
+    pub fn knows_range(&self, quantity: &Quantity) -> bool {
+        let measures = self.measures();
+        match quantity {
+            Quantity::Distance(_) => true,
+            Quantity::Area => measures.area_range.get().is_some(),
+            Quantity::Curvature(_) => measures.curvature_ranges.get().is_some(),
+            Quantity::Scalar(_) => measures.scalar_ranges.get().is_some(),
+        }
+    }
+
     fn curvatures(&self) -> &Curvatures {
         self.measures()
             .curvatures

@@ -4,8 +4,9 @@ use super::facet::{Varied, blend, unit};
 use super::ramp::{Ramp, Span};
 use super::{Mode, Shading, srgb};
 use crate::camera::{Camera, Projection};
+use crate::hit::Hit;
 use crate::scene::{Bounds, Color, ColorRule, Object, Quantity, Scene, TriangleValues};
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 
 /// Every object's colour rule, prepared for one picture.
 #[derive(Debug)]
@@ -28,6 +29,56 @@ pub(super) struct Placed {
     pub(super) camera: Camera,
     /// The map of the object's own normals to world space.
     pub(super) world_normals: Option<Mat3>,
+}
+
+/// The colour of a hit by its object's rule, before lights, textures and the colour of backs, as it is displayed.
+///
+/// `None` where the scene has no such triangle, and where a picture would first compute curvatures or the range of the
+/// colours, which takes long: those that were computed before are used.
+pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -> Option<Color> {
+    let Hit {
+        object, triangle, ..
+    } = *hit;
+    let index = object as usize;
+    let of = scene.objects.get(index)?;
+    let corners = of.mesh.corners(triangle)?;
+    let world_from_object = scene.world_from_object(index).ok()?;
+    let scale = shading.scale.unwrap_or_default();
+    let mut spans = Vec::new();
+    if let ColorRule::Value(quantity) = &of.color {
+        let is_known = of.mesh.knows_values(quantity)
+            && (scale.range.is_some()
+                || showing(scene, quantity).all(|object| object.mesh.knows_range(quantity)));
+        if !is_known {
+            return None;
+        }
+        let fitted = || fitted_range(scene, camera, quantity);
+        spans.resize(index, None);
+        spans.push(Some(Span::of(scale.range.or_else(fitted))));
+    }
+    let colors = OwnColors {
+        ramp: (!spans.is_empty()).then(|| Box::new(Ramp::new(scale.map))),
+        spans,
+        colorless_differ: shading.mode == Mode::Color,
+        plain: shading.plain_color,
+        vary: true,
+    };
+    let eye = camera.placement().eye;
+    let offset = of.mesh.offset();
+    let placed = || Placed {
+        corners: corners
+            .map(|corner| world_from_object.transform_point3(offset + corner.as_dvec3()) - eye),
+        camera: *camera,
+        world_normals: normals_to_world(&world_from_object),
+    };
+    let (u, v) = (hit.u as f32, hit.v as f32);
+    let color = match colors.within(object, of, triangle, placed) {
+        Varied::No => colors.of_triangle(object, of, triangle, placed),
+        Varied::Colors(corners) => blend(corners, u, v),
+        varied => colors.of_number(object, &varied, u, v),
+    };
+    let [r, g, b, _] = srgb::encode([color.x, color.y, color.z, 1.0]);
+    Some(Color([r, g, b]))
 }
 
 impl OwnColors {
@@ -222,14 +273,17 @@ pub(super) fn fitted_range(
     if let Quantity::Distance(from) = quantity {
         return distance_range(&scene.bounds(), camera, *from);
     }
-    let shows = |object: &&Object| {
-        object.visible && matches!(&object.color, ColorRule::Value(own) if own == quantity)
-    };
-    let ranges = scene.objects.iter().filter(shows);
-    let ranges = ranges.filter_map(|object| object.mesh.value_range(quantity));
+    let ranges = showing(scene, quantity).filter_map(|object| object.mesh.value_range(quantity));
     ranges
         .map(|range| range.map(f64::from))
         .reduce(|[low, high], [less, more]| [low.min(less), high.max(more)])
+}
+
+/// The visible objects that show a quantity.
+fn showing<'s>(scene: &'s Scene, quantity: &'s Quantity) -> impl Iterator<Item = &'s Object> {
+    scene.objects.iter().filter(move |object| {
+        object.visible && matches!(&object.color, ColorRule::Value(own) if own == quantity)
+    })
 }
 
 /// The distances to a box's nearest point and to its farthest corner; `None` for an empty box.
@@ -253,4 +307,17 @@ pub(super) fn distance_range(
         true => distances.into_iter().fold(far, f64::min).max(0.0),
     };
     Some([near, far])
+}
+
+/// The normal matrix of a transform, the inverse transpose; `None` where it is singular.
+pub(super) fn normals_to_world(world_from_object: &DAffine3) -> Option<Mat3> {
+    // Its scale does not matter: normals are made unit length. Dividing by the largest entry keeps it in the range of
+    // single precision.
+    let normal_matrix = world_from_object.matrix3.inverse().transpose();
+    let largest = normal_matrix
+        .to_cols_array()
+        .into_iter()
+        .fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+    (normal_matrix.is_finite() && largest > 0.0)
+        .then(|| DMat3::as_mat3(&(normal_matrix * (1.0 / largest))))
 }

@@ -290,3 +290,64 @@ fn one_color_rules_stay_as_they_were() {
     let expected = object.color.color(0).expect("a color");
     assert_eq!(of(&object), srgb::linear(expected));
 }
+
+#[test]
+fn a_hits_own_color_is_what_a_picture_without_light_shows() {
+    let rules = [
+        "file",
+        "#12c0a0",
+        "per-triangle:5",
+        "object",
+        "normal",
+        "area",
+        "distance",
+        "distance:1,2,3",
+        "curvature",
+        "curvature:gaussian",
+        "scalar:x",
+        "scalar:part",
+    ];
+    for (rule, projection) in rules
+        .into_iter()
+        .flat_map(|rule| [Projection::Perspective, Projection::Orthographic].map(|p| (rule, p)))
+    {
+        let mut aside = square(rule);
+        aside.transform.translate = DVec3::new(20.0, 0.0, 0.0);
+        let mut ball = square(rule);
+        let shape = Shape::Sphere {
+            radius: 1.0,
+            segments: 16,
+            rings: 8,
+        };
+        ball.mesh = Arc::new(Mesh::new(shape.mesh().expect("a ball")));
+        let objects = match rule.starts_with("scalar") {
+            true => vec![aside, square(rule)],
+            false => vec![aside, ball],
+        };
+        let mut picture = Picture::of(objects, projection, ColorScale::default());
+        picture.shading.scale = None;
+        let Picture {
+            scene,
+            accel,
+            camera,
+            shading,
+        } = &picture;
+        let seen = |x: f64, y: f64| {
+            let hit = accel.cast(&camera.ray(x, y), Cull::None)?;
+            own_color(scene, camera, shading, &hit)
+        };
+        let is_computed = ["area", "curvature", "curvature:gaussian"].contains(&rule);
+        if is_computed || ["scalar:x", "scalar:part"].contains(&rule) {
+            assert_eq!(seen(21.5, 16.5), None, "{rule}: its range is not known");
+        }
+        // A picture computes what is missing.
+        let _ = picture.shader();
+        for (x, y) in [(21.5, 16.5), (18.25, 13.0), (20.0, 11.5)] {
+            let color = seen(x, y).expect("a color");
+            let [r, g, b, _] = srgb::encode(picture.at(x, y).extend(1.0).to_array());
+            let near = |(a, b): (u8, u8)| a.abs_diff(b) <= 1;
+            let shown = color.0.into_iter().zip([r, g, b]);
+            assert!(shown.clone().all(near), "{rule}: {color} {:?}", [r, g, b]);
+        }
+    }
+}

@@ -22,6 +22,7 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
             }
         }
         Effect::LoadTexture(path, which) => files.load_texture(path, which),
+        Effect::List(folder, kind) => files.list(folder, kind),
         Effect::Dialog(kind) => {
             let suggested = match kind.saves() {
                 true => update::suggested_name(state, kind),

@@ -76,6 +76,8 @@ pub struct App {
     commands: Commands,
     wanted: Option<Wanted>,
     generation: u64,
+    /// How many scenes were shown: the picture is of the last.
+    scenes: u64,
     frame_started: Duration,
     title: String,
 }
@@ -141,6 +143,7 @@ impl App {
             commands: Commands::new(),
             wanted: None,
             generation: 0,
+            scenes: 0,
             frame_started: Duration::ZERO,
             title: String::new(),
         })
@@ -163,16 +166,13 @@ impl App {
             }
         }
         for news in news {
-            if let News::Loaded(loaded) = &news {
-                // A reloaded scene stays on screen until its new picture comes.
-                if loaded.keep != Keep::All {
-                    self.canvas.clear(self.generation + 1);
-                }
+            if matches!(news, News::Loaded(_)) {
                 self.begin_log(now);
             }
             let effect = news::receive(&mut self.state, news, now);
             self.carry_out(context, effect);
         }
+        self.clear_for_another_scene();
         if update::advance(&mut self.state) {
             context.request_repaint();
         }
@@ -215,6 +215,15 @@ impl App {
         if is_closing && !self.may_close && self.state.has_unsaved() {
             context.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             update::update(&mut self.state, Command::Close);
+        }
+    }
+
+    /// Clears the picture of the scene before. A scene that is read again stays on screen until its new picture comes,
+    /// and one that waits for an answer changes nothing.
+    fn clear_for_another_scene(&mut self) {
+        if self.scenes != self.state.scenes {
+            self.scenes = self.state.scenes;
+            self.canvas.clear(self.generation + 1);
         }
     }
 
@@ -318,6 +327,7 @@ impl App {
 
     /// Requests a new picture if anything that decides it has changed.
     fn request(&mut self) {
+        self.clear_for_another_scene();
         let Some(view) = self.state.view() else {
             return;
         };

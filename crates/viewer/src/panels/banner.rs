@@ -3,10 +3,15 @@
 use super::widgets::select_all;
 use super::{Commands, Status};
 use crate::state::command::Command;
+use crate::state::effect::Keep;
+use crate::state::listing::folder_of;
 use crate::state::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use crate::ui::registry::{Keymap, action};
 use crate::ui::theme;
-use egui::{Align2, Area, Button, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
+use egui::{
+    Align2, Area, Button, CompletionPopup, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui,
+    vec2,
+};
 
 /// Shows them over `room`, the picture's place.
 pub(super) fn show(
@@ -211,14 +216,23 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         ui.horizontal(|ui| {
             let mut text = prompt.text.clone();
             let edit = egui::TextEdit::singleline(&mut text)
-                .id(id)
                 .hint_text(hint)
                 .desired_width(ui.available_width() - 122.0);
-            let mut response = ui.add(edit);
+            // Enter accepts a name to open, since no file has the name so far; one to save may be new.
+            let accepting: &[egui::Key] = match prompt.kind.saves() {
+                true => &[egui::Key::Tab],
+                false => &[egui::Key::Tab, egui::Key::Enter],
+            };
+            let popup = CompletionPopup::new(id)
+                .word_boundary(std::path::is_separator)
+                .align(egui::RectAlign::BOTTOM_START)
+                .accept_keys(accepting);
+            let output = popup.show(ui, edit, |query| suggestions(prompt, query));
+            let mut response = output.text_edit.response.response;
             if let Some(label) = label {
                 response = response.labelled_by(label);
             }
-            if response.changed() {
+            if response.changed() || output.accepted.is_some() {
                 out.push(Command::TypePath(text));
             }
             let entered =
@@ -249,6 +263,23 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
     });
 }
 
+/// The most names below a path line: more are found sooner by typing on.
+const MOST_NAMES: usize = 100;
+
+/// The names that complete a path.
+fn suggestions(prompt: &Prompt, query: &egui::CompletionQuery<'_>) -> Vec<egui::Suggestion> {
+    let Some(listing) = &prompt.listing else {
+        return Vec::new();
+    };
+    let is_listed = folder_of(query.text.trim_start()) == listing.folder;
+    let is_at_end = query.text.chars().count() == query.word_range.end.0;
+    if query.text.trim().is_empty() || !is_listed || !is_at_end {
+        return Vec::new();
+    }
+    let names = listing.completing(query.word.trim_start());
+    names.take(MOST_NAMES).map(egui::Suggestion::new).collect()
+}
+
 /// The question about unsaved changes.
 fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     let name = state
@@ -256,10 +287,15 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
         .as_ref()
         .map_or("The scene", |document| &document.name);
     let before = match pending {
-        Pending::Close => "closing",
-        Pending::Reload => "reading it again",
-        Pending::CopyCommand => "copying the command that makes the picture",
-        Pending::Open(_) | Pending::Case(_) | Pending::Neighbor(_) => "opening another",
+        Pending::Close => "closing".to_owned(),
+        Pending::CopyCommand => "copying the command that makes the picture".to_owned(),
+        Pending::Open => match &state.arrived {
+            Some(arrived) if arrived.keep == Keep::All => {
+                "showing the files as they are now".to_owned()
+            }
+            Some(arrived) => format!("opening {}", arrived.document.name),
+            None => "opening another".to_owned(),
+        },
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());

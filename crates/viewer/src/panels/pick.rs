@@ -139,18 +139,10 @@ fn csv(state: &State) -> String {
                 hexadecimal(texel.color)
             )
         });
+        let color = (state.color(pinned)).map_or(String::new(), |color| color.to_string());
         text.push_str(&format!(
-            "{number},{name},{},{},{},{},{},{},{},{distance},{},{},{uv},{texel},{}\n",
-            hit.triangle,
-            point.x,
-            point.y,
-            point.z,
-            normal.x,
-            normal.y,
-            normal.z,
-            hit.u,
-            hit.v,
-            pinned.color,
+            "{number},{name},{},{},{},{},{},{},{},{distance},{},{},{uv},{texel},{color}\n",
+            hit.triangle, point.x, point.y, point.z, normal.x, normal.y, normal.z, hit.u, hit.v,
         ));
     }
     text
@@ -252,11 +244,9 @@ fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
             format!("{column} {row} {color}"),
         ));
     }
-    values.push(value(
-        "Color",
-        "The triangle's own color",
-        pinned.color.to_string(),
-        pinned.color.to_string(),
-    ));
+    if let Some(color) = state.color(pinned) {
+        let hint = "The surface's own color there, without light and texture";
+        values.push(value("Color", hint, color.to_string(), color.to_string()));
+    }
     values
 }

@@ -32,6 +32,7 @@ pub(super) fn copy(state: &mut State) -> Option<Effect> {
     };
     let is_on_disk = has_objects && !is_beyond_options(state, document);
     if !is_on_disk && document.can_be_saved() {
+        state.forget_pending();
         state.question = Some(Pending::CopyCommand);
         return None;
     }

@@ -49,6 +49,8 @@ pub enum Effect {
         /// Whether an existing file may be replaced.
         replace: bool,
     },
+    /// Read the names in a folder that is typed for this purpose.
+    List(String, PromptKind),
     /// Show the desktop's own dialog.
     Dialog(PromptKind),
     /// Write the measurements, likewise.

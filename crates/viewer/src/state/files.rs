@@ -1,7 +1,9 @@
 //! Asking for paths, opening and saving, and the question about unsaved changes.
 
+use super::arrival;
 use super::as_command;
 use super::effect::{Effect, Keep};
+use super::listing::{Listing, folder_of, path_of};
 use super::names::suggested_name;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use raycast_core::formats::DrawingFormat;
@@ -19,8 +21,25 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
         kind,
         text,
         dialog: true,
+        listing: None,
     });
     Effect::Dialog(kind)
+}
+
+/// Sets the path line's text; reads the names in its folder, if that is another one.
+pub(super) fn type_path(state: &mut State, text: String) -> Option<Effect> {
+    let prompt = state.prompt.as_mut()?;
+    prompt.text = text;
+    let folder = folder_of(prompt.text.trim_start());
+    if (prompt.listing.as_ref()).is_some_and(|listing| listing.folder == folder) {
+        return None;
+    }
+    let (folder, kind) = (folder.to_owned(), prompt.kind);
+    prompt.listing = Some(Listing {
+        folder: folder.clone(),
+        names: Vec::new(),
+    });
+    Some(Effect::List(folder, kind))
 }
 
 /// Accepts the path line's text.
@@ -33,10 +52,7 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     if prompt.kind.saves() {
         text = with_one_ending(text, &suggested_name(state, prompt.kind));
     }
-    let path = match text.strip_prefix("~/").zip(std::env::home_dir()) {
-        Some((rest, home)) => home.join(rest),
-        None => PathBuf::from(text),
-    };
+    let path = path_of(text);
     // Kept until the files are read: if they cannot be, the path can be corrected.
     let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
     state.typed = opens.then(|| prompt.clone());
@@ -90,7 +106,7 @@ pub(super) fn take(
 
 pub(super) fn open(state: &mut State, paths: Vec<PathBuf>) -> Option<Effect> {
     state.prompt = None;
-    proceed_unless_unsaved(state, Pending::Open(paths))
+    Some(Effect::Open(paths, Keep::Nothing))
 }
 
 pub(super) fn add(state: &mut State, paths: Vec<PathBuf>) -> Option<Effect> {
@@ -101,13 +117,20 @@ pub(super) fn add(state: &mut State, paths: Vec<PathBuf>) -> Option<Effect> {
     Some(Effect::Add(paths))
 }
 
-/// Continues, or asks first if unsaved changes would be lost.
-pub(super) fn proceed_unless_unsaved(state: &mut State, pending: Pending) -> Option<Effect> {
-    if state.has_unsaved() && !(pending == Pending::Reload && keeps_changes(state)) {
-        state.question = Some(pending);
+/// Closes the window, or asks first if unsaved changes would be lost.
+pub(super) fn close(state: &mut State) -> Option<Effect> {
+    if state.has_unsaved() {
+        state.forget_pending();
+        state.question = Some(Pending::Close);
         return None;
     }
-    proceed(state, pending)
+    Some(Effect::Close)
+}
+
+/// Reads the scene's files again.
+pub(super) fn reload(state: &State) -> Option<Effect> {
+    let paths = &state.document.as_ref()?.paths;
+    (!paths.is_empty()).then(|| Effect::Open(paths.clone(), Keep::All))
 }
 
 /// Whether edits can be carried over when the files are reloaded: not for a scene file, which defines its objects
@@ -119,15 +142,10 @@ pub(super) fn keeps_changes(state: &State) -> bool {
 
 /// Continues without a question.
 pub(super) fn proceed(state: &mut State, pending: Pending) -> Option<Effect> {
-    let document = state.document.as_ref();
-    let paths = || document.map(|document| document.paths.clone());
     match pending {
-        Pending::Open(paths) => Some(Effect::Open(paths, Keep::Nothing)),
-        Pending::Case(name) => Some(Effect::OpenCase(name)),
-        Pending::Neighbor(step) => Some(Effect::OpenNeighbor(paths()?.first()?.clone(), step)),
-        Pending::Reload => {
-            let paths = paths().filter(|paths| !paths.is_empty())?;
-            Some(Effect::Open(paths, Keep::All))
+        Pending::Open => {
+            let loaded = state.arrived.take()?;
+            arrival::show(state, *loaded)
         }
         Pending::CopyCommand => as_command::copy(state),
         Pending::Close => Some(Effect::Close),
@@ -140,6 +158,7 @@ pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
     match answer {
         Answer::Stay => {
             state.typed = None;
+            state.forget_pending();
             None
         }
         // A command line cannot express unsaved changes.
@@ -156,13 +175,13 @@ pub(super) fn answer(state: &mut State, answer: Answer) -> Option<Effect> {
 pub(super) fn save_scene(state: &mut State) -> Option<Effect> {
     let document = state.document.as_ref()?;
     if !document.can_be_saved() {
-        state.after_saving = None;
         let message = if document.scene.objects.is_empty() {
             "There is no object to save."
         } else {
             "This scene cannot be saved: its meshes are in the program, and in no file that a scene file \
              could name. Open meshes from files (File, Open) to make a scene of them."
         };
+        state.forget_pending();
         state.report(message.to_owned());
         return None;
     }
@@ -248,11 +267,4 @@ fn save_outline(
         path,
         replace,
     })
-}
-
-/// Puts files among the recent ones.
-pub(super) fn remember(state: &mut State, files: &[PathBuf]) {
-    for file in files.iter().rev() {
-        state.preferences.remember(Path::new(file));
-    }
 }

@@ -161,6 +161,31 @@ impl State {
         })
     }
 
+    /// For each point, whether a surface that is kept lies before it, nearer to the eye by more than a pixel's width
+    /// there: what is less apart touches it, as far as the picture can show.
+    pub fn hidden(&self, points: &[DVec3]) -> Vec<bool> {
+        let Some((camera, document)) = self.camera().zip(self.document.as_ref()) else {
+            return vec![false; points.len()];
+        };
+        let masks = Masks::of(&document.built);
+        let kept = document.accel.clipped(&self.settings.clip);
+        let kept = kept.masked(masks.as_ref());
+        let is_hidden = |point: &DVec3| {
+            let (x, y) = camera.project(*point)?;
+            let ray = camera.ray(x, y);
+            let hit = ray.at(kept.cast(&ray, self.settings.cull)?.t);
+            let away = point.distance(ray.origin);
+            let pixel = camera.plane().step
+                * match camera.projection().is_parallel() {
+                    true => 1.0,
+                    false => away / camera.distance(),
+                };
+            Some(hit.distance(ray.origin) < away - pixel)
+        };
+        let points = points.iter();
+        points.map(|p| is_hidden(p).unwrap_or(false)).collect()
+    }
+
     /// The number of columns and rows of tiles.
     pub fn tile_counts(&self) -> (u32, u32) {
         let (columns, rows) = self.size();

@@ -4,8 +4,10 @@
 //! brings back; the *view*, which navigation changes and which has a history of its own; the *session*
 //! (selection, questions, messages), which is never kept; and the *preferences*.
 
+pub mod arrival;
 mod as_command;
 mod bookmarks;
+mod change;
 pub mod command;
 pub mod cut;
 pub mod document;
@@ -19,6 +21,7 @@ mod inspect;
 pub mod inspection;
 pub mod lengths;
 mod list_order;
+pub mod listing;
 pub mod manipulator;
 pub mod measure;
 pub mod motion;
@@ -40,6 +43,7 @@ pub mod viewpoint;
 
 pub use session::{Answer, Palette, Pending, Prompt, PromptKind, Replacing, Toast};
 
+use arrival::Loaded;
 use document::Document;
 use history::{History, Snapshot};
 use inspection::Inspection;
@@ -170,6 +174,10 @@ pub struct State {
     pub typed: Option<Prompt>,
     /// The action that waits for an answer about unsaved changes.
     pub question: Option<Pending>,
+    /// Counts scenes that took the place of what was open; one that is read again does not.
+    pub scenes: u64,
+    /// The scene that has been read, until the question about unsaved changes is answered.
+    pub arrived: Option<Box<Loaded>>,
     /// The action that follows when the scene has been saved.
     pub after_saving: Option<Pending>,
     /// The existing file that the user is asked about replacing.
@@ -241,6 +249,8 @@ impl Default for State {
             prompt: None,
             typed: None,
             question: None,
+            scenes: 0,
+            arrived: None,
             after_saving: None,
             replacing: None,
             errors: Vec::new(),
@@ -292,6 +302,12 @@ impl State {
             None => !Arc::ptr_eq(&document.scene, &document.read),
         };
         is_changed && document.can_be_saved()
+    }
+
+    /// Drops the action that waits for the scene to be saved, and the scene that waits to be shown.
+    pub(super) fn forget_pending(&mut self) {
+        self.after_saving = None;
+        self.arrived = None;
     }
 
     /// Shows an error. One that is shown already moves to the end.

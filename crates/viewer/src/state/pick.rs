@@ -5,7 +5,7 @@ use super::document::Document;
 use raycast_core::Hit;
 use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::Color;
-use raycast_core::shade::texture_point;
+use raycast_core::shade::{own_color, texture_point};
 
 /// The hit of a ray through a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,6 @@ pub struct Pinned {
     pub normal: DVec3,
     /// Texture coordinates, where the mesh has them.
     pub uv: Option<Vec2>,
-    /// The triangle's own colour.
-    pub color: Color,
     /// Whether its object has moved since. The point then stays at its place on the triangle, where no ray has hit it.
     pub has_moved: bool,
 }
@@ -75,7 +73,6 @@ impl Pinned {
             corners,
             normal: (b - a).cross(c - a).normalize_or_zero(),
             uv,
-            color: object.triangle_color(triangle),
             has_moved: false,
         })
     }
@@ -94,6 +91,14 @@ impl Pinned {
 }
 
 impl State {
+    /// The colour at a pick without light and texture, as the present settings show it; `None` where no picture has
+    /// computed yet what its object's rule shows.
+    pub fn color(&self, pinned: &Pinned) -> Option<Color> {
+        let scene = &self.document.as_ref()?.built;
+        let shading = &self.settings.shading;
+        own_color(scene, &self.camera()?, shading, &pinned.pick.hit)
+    }
+
     /// The texel at a pick under the present texture mapping; `None` where there is no image.
     pub fn texel(&self, pinned: &Pinned) -> Option<Texel> {
         let scene = &self.document.as_ref()?.built;

@@ -92,6 +92,11 @@ impl Preferences {
             .map_or(&[], |(_, views)| views)
     }
 
+    /// Puts files at the front of the recent ones, the first foremost.
+    pub fn remember_all(&mut self, files: &[PathBuf]) {
+        files.iter().rev().for_each(|file| self.remember(file));
+    }
+
     /// Puts a file at the front of the recent ones.
     pub fn remember(&mut self, file: &Path) {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());

@@ -1,5 +1,6 @@
 //! State that is never stored: questions, messages, text fields.
 
+use super::listing::Listing;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -43,19 +44,15 @@ pub struct Prompt {
     pub text: String,
     /// Whether a desktop dialog is open as well.
     pub dialog: bool,
+    /// The names in its path's folder; `None` until something is typed.
+    pub listing: Option<Listing>,
 }
 
 /// An action that would lose unsaved changes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pending {
-    /// Opening files.
-    Open(Vec<PathBuf>),
-    /// Opening a hard case.
-    Case(&'static str),
-    /// Opening a neighbour in the folder.
-    Neighbor(i32),
-    /// Reloading the scene.
-    Reload,
+    /// Showing the scene that has arrived.
+    Open,
     /// Copying the command that makes the picture, for which the scene must be saved.
     CopyCommand,
     /// Closing the window.

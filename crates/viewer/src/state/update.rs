@@ -6,7 +6,7 @@ use super::manipulator;
 use super::measure::Kind;
 use super::pick::Pinned;
 use super::viewpoint::fov_range;
-use super::{Palette, Pending, PromptKind, Resolution, SAMPLES_LIMIT, State};
+use super::{Palette, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
     as_command, bookmarks, cut, files, history, inspect, list_order, navigate, objects, parents,
     plane, preferences, shapes,
@@ -317,11 +317,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
                 };
             }
         }
-        Command::TypePath(text) => {
-            if let Some(prompt) = &mut state.prompt {
-                prompt.text = text;
-            }
-        }
+        Command::TypePath(text) => return files::type_path(state, text),
         Command::ConfirmPath => return files::confirm(state),
         Command::Open(paths) => {
             state.typed = None;
@@ -332,12 +328,12 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             return files::add(state, paths);
         }
         Command::OpenNeighbor(step) => {
-            return files::proceed_unless_unsaved(state, Pending::Neighbor(step));
+            let document = state.document.as_ref()?;
+            let first = document.paths.first()?.clone();
+            return Some(Effect::OpenNeighbor(first, step));
         }
-        Command::Reload => return files::proceed_unless_unsaved(state, Pending::Reload),
-        Command::OpenCase(name) => {
-            return files::proceed_unless_unsaved(state, Pending::Case(name));
-        }
+        Command::Reload => return files::reload(state),
+        Command::OpenCase(name) => return Some(Effect::OpenCase(name)),
         Command::CancelLoad => {
             state.typed = None;
             return Some(Effect::CancelLoad);
@@ -348,19 +344,15 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::DropPicture(path) => {
             state.prompt = None;
-            // With unsaved changes no other scene is searched for: it would replace this one.
-            let among = match state.has_unsaved() {
-                true => Vec::new(),
-                false => state.preferences.recent.clone(),
-            };
-            return Some(Effect::OpenPicture(path, among));
+            let recent = state.preferences.recent.clone();
+            return Some(Effect::OpenPicture(path, recent));
         }
         Command::SavePicture(path) => return files::save_picture(state, path, false),
         Command::SaveScene => return files::save_scene(state),
         Command::SaveSceneAs(path) => return files::save_scene_as(state, path, false),
         Command::Replace => return files::replace(state),
         Command::Answer(answer) => return files::answer(state, answer),
-        Command::Close => return files::proceed_unless_unsaved(state, Pending::Close),
+        Command::Close => return files::close(state),
 
         Command::SetTheme(theme) => state.preferences.theme = theme,
         Command::SetScale(scale) if scale.is_finite() => {
@@ -439,11 +431,11 @@ fn dismiss(state: &mut State) {
         files::answer(state, super::Answer::Stay);
     } else if state.replacing.is_some() {
         state.replacing = None;
-        state.after_saving = None;
+        state.forget_pending();
     } else if state.prompt.is_some() {
         state.prompt = None;
         state.typed = None;
-        state.after_saving = None;
+        state.forget_pending();
     } else if state.naming.is_some() {
         state.naming = None;
     } else if state.errors.pop().is_some() {

@@ -10,6 +10,9 @@ pub(super) const DIALOG_ENDINGS: &[&str] = &[
     "obj", "gltf", "glb", "ply", "stl", "off", "3mf", "txt", "tri", "raycast", "toml", "gz", "zst",
 ];
 
+/// Extensions of images.
+pub(super) const IMAGE_ENDINGS: &[&str] = &["png", "jpg", "jpeg", "ppm"];
+
 pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     let dialog = rfd::FileDialog::new();
     let started = Instant::now();
@@ -26,7 +29,7 @@ pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
         PromptKind::Add => files("Add meshes or a scene"),
         PromptKind::Texture | PromptKind::TextureOf(_) => one(dialog
             .set_title("Open a texture")
-            .add_filter("Images", &["png", "jpg", "jpeg", "ppm"])
+            .add_filter("Images", IMAGE_ENDINGS)
             .add_filter("All files", &["*"])
             .pick_file()),
         PromptKind::Picture => one(dialog

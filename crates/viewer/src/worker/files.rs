@@ -2,6 +2,7 @@
 
 use super::dialog::{DIALOG_ENDINGS, dialog};
 use super::load::{Load, scene_name, tree};
+use super::names::names;
 use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
 use super::{Wake, case, keys, neighbors, panic_text};
 use crate::memory;
@@ -268,6 +269,13 @@ impl Files {
             let text = keys::read(&path)?.unwrap_or_default();
             shared.tell(ANY, News::Keys { text, asked: false });
             keys::edit(&path).map(|()| News::Nothing)
+        });
+    }
+
+    /// Reads the names in a folder.
+    pub fn list(&self, folder: String, kind: PromptKind) {
+        self.shared.spawn("raycast-names", ANY, move |_| {
+            Ok(News::Listed(names(folder, kind)))
         });
     }
 

@@ -3,9 +3,10 @@
 use super::demo;
 use super::tasks::{Progress, Shared, lock};
 use crate::failure::Failure;
+use crate::state::arrival::Loaded;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
-use crate::state::news::{Loaded, News};
+use crate::state::news::News;
 use crate::{memory, setup};
 use raycast_core::Accel;
 use raycast_core::formats::{self, Limits, SceneFile};
@@ -88,9 +89,9 @@ impl Load<'_> {
             let texture = Arc::new(texture.map_err(|error| error.to_string())?);
             return Ok(News::Texture(texture, path.to_owned(), None));
         };
-        let recipe_news = || Ok(News::Recipe(Box::new(recipe)));
+        let recipe = Box::new(recipe);
         if scene.is_some_and(|scene| scene.content() == recipe.scene) {
-            return recipe_news();
+            return Ok(News::Recipe(recipe));
         }
         let count = among.len();
         for (index, file) in among.into_iter().enumerate() {
@@ -106,10 +107,9 @@ impl Load<'_> {
             if read.scene.content() == recipe.scene {
                 lock(&self.shared.opened).extend(read.opened.iter().cloned());
                 lock(&self.shared.opened).push(file.clone());
-                let loaded = self.finish(read, vec![file], Duration::ZERO)?;
-                self.shared
-                    .tell(self.ticket, News::Loaded(Box::new(loaded)));
-                return recipe_news();
+                let mut loaded = self.finish(read, vec![file], Duration::ZERO)?;
+                loaded.recipe = Some(recipe);
+                return Ok(News::Loaded(Box::new(loaded)));
             }
         }
         Err(format!(

@@ -13,6 +13,7 @@ mod keys;
 pub mod layout;
 mod load;
 pub mod mailbox;
+mod names;
 mod neighbors;
 pub mod outbox;
 pub mod pace;

@@ -32,7 +32,8 @@ pub(super) fn neighbor(path: &Path, step: i32, endings: &[&str]) -> Result<PathB
     }
 }
 
-fn has_ending(file: &Path, endings: &[&str]) -> bool {
+/// Whether a file's name has one of these endings, in any case.
+pub(super) fn has_ending(file: &Path, endings: &[&str]) -> bool {
     let ending = file.extension().map(|ending| ending.to_string_lossy());
     ending.is_some_and(|ending| endings.iter().any(|of| ending.eq_ignore_ascii_case(of)))
 }

@@ -4,9 +4,12 @@ use crate::bench::{click, open, open_two, open_with};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use raycast_viewer::state::effect::{Effect, Keep};
+use raycast_viewer::state::listing::Listing;
+use raycast_viewer::state::news::{News, receive};
 use raycast_viewer::state::{PromptKind, Replacing, State};
 use raycast_viewer::worker::files::Activity;
 use std::path::PathBuf;
+use std::time::Duration;
 
 #[test]
 fn an_empty_window_says_what_to_do() {
@@ -38,6 +41,47 @@ fn a_path_can_be_typed_where_the_desktop_has_no_dialog() {
     let effect = Effect::Open(vec![PathBuf::from("mesh.obj")], Keep::Nothing);
     assert_eq!(harness.state().effects.last(), Some(&effect));
     assert!(harness.state().state.prompt.is_none());
+}
+
+#[test]
+fn a_typed_path_is_completed_by_the_names_in_its_folder() {
+    let mut harness = open();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.run();
+    harness.event(egui::Event::Text("mo".to_owned()));
+    harness.run();
+    let lists = |folder: &str| Effect::List(folder.to_owned(), PromptKind::Open);
+    assert_eq!(harness.state().effects.last(), Some(&lists("")));
+    let read = |state: &mut State, folder: &str, names: &[&str]| {
+        let names = names.iter().map(|&name| name.to_owned()).collect();
+        let folder = folder.to_owned();
+        let listing = News::Listed(Listing { folder, names });
+        receive(state, listing, Duration::ZERO);
+    };
+    read(&mut harness.state_mut().state, "", &["cube.obj", "models/"]);
+    harness.run();
+    assert!(harness.query_by_label("cube.obj").is_none());
+    harness.get_by_label("models/");
+    harness.key_press(Key::Tab);
+    harness.run();
+    assert_eq!(harness.state().effects.last(), Some(&lists("models/")));
+    read(
+        &mut harness.state_mut().state,
+        "models/",
+        &["a.obj", "b.obj"],
+    );
+    harness.run();
+    harness.key_press(Key::ArrowDown);
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    let typed = harness.state().state.prompt.as_ref();
+    let typed = typed.map(|prompt| prompt.text.as_str());
+    assert_eq!(typed, Some("models/b.obj"));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let effect = Effect::Open(vec![PathBuf::from("models/b.obj")], Keep::Nothing);
+    assert_eq!(harness.state().effects.last(), Some(&effect));
 }
 
 #[test]

@@ -8,10 +8,10 @@ use crate::shade::facet::{
     Facet, Interpolation, Needs, SurfaceTriangle, Varied, facing_normal, unit,
 };
 use crate::shade::interpolants::{Interpolants, LinearNormal};
-use crate::shade::own_color::Placed;
+use crate::shade::own_color::{Placed, normals_to_world};
 use crate::shade::sides::Sides;
 use crate::shade::{Mode, Shading};
-use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
+use glam::{DAffine3, DVec3, Mat3, Vec3};
 use std::sync::Arc;
 
 impl Shader<'_> {
@@ -242,18 +242,5 @@ pub(super) fn world_normals(scene: &Scene) -> Vec<Option<Mat3>> {
     let transforms = scene
         .world_from_objects()
         .unwrap_or_else(|_| vec![DAffine3::IDENTITY; scene.objects.len()]);
-    transforms
-        .iter()
-        .map(|world_from_object| {
-            // Its scale does not matter: normals are made unit length. Dividing by the largest
-            // entry keeps it in the range of single precision.
-            let normal_matrix = world_from_object.matrix3.inverse().transpose();
-            let largest = normal_matrix
-                .to_cols_array()
-                .into_iter()
-                .fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
-            (normal_matrix.is_finite() && largest > 0.0)
-                .then(|| DMat3::as_mat3(&(normal_matrix * (1.0 / largest))))
-        })
-        .collect()
+    transforms.iter().map(normals_to_world).collect()
 }

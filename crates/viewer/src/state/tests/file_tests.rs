@@ -126,28 +126,70 @@ fn toasts_go_after_a_while() {
     assert!(state.toasts.is_empty());
 }
 
+/// News of another scene.
+fn other() -> News {
+    let News::Loaded(mut loaded) = loaded(3, None) else {
+        unreachable!("it is made so");
+    };
+    loaded.document.name = "other.obj".to_owned();
+    News::Loaded(loaded)
+}
+
 #[test]
-fn unsaved_changes_are_asked_for_before_they_are_lost() {
+fn a_bad_file_is_refused_without_a_question_about_unsaved_changes() {
     let mut state = opened(1);
-    let other = || Command::Open(vec!["other.obj".into()]);
-    let opens = || Some(Effect::Open(vec!["other.obj".into()], Keep::Nothing));
-    assert_eq!(update(&mut state, other()), opens(), "nothing was changed");
     update(&mut state, Command::Rename(0, "lid".to_owned()));
-    assert_eq!(update(&mut state, other()), None);
-    assert_eq!(
-        state.question,
-        Some(Pending::Open(vec!["other.obj".into()]))
-    );
+    let opens = update(&mut state, Command::Open(vec!["bad.obj".into()]));
+    let reads = Some(Effect::Open(vec!["bad.obj".into()], Keep::Nothing));
+    assert_eq!(opens, reads);
+    let news = News::NotOpened("bad.obj: not a mesh".to_owned());
+    assert_eq!(receive(&mut state, news, Duration::ZERO), None);
+    assert_eq!((state.question, state.errors.len()), (None, 1));
+    assert!(state.has_unsaved());
+}
+
+#[test]
+fn a_scene_that_was_read_waits_for_the_answer_about_unsaved_changes() {
+    let mut state = opened(1);
+    receive(&mut state, other(), Duration::ZERO);
+    assert_eq!(names(&state).len(), 3, "nothing was changed");
+    update(&mut state, Command::Rename(0, "lid".to_owned()));
+    let scenes = state.scenes;
+    receive(&mut state, loaded(1, None), Duration::ZERO);
+    assert_eq!(state.question, Some(Pending::Open));
+    assert_eq!(names(&state), ["lid", "object 1", "object 2"]);
+    assert_eq!(state.scenes, scenes, "its picture stays");
     update(&mut state, Command::Answer(Answer::Stay));
-    assert_eq!(state.question, None);
+    assert!(state.arrived.is_none() && state.question.is_none() && state.has_unsaved());
 
-    update(&mut state, other());
-    assert_eq!(
-        update(&mut state, Command::Answer(Answer::Discard)),
-        opens()
-    );
+    receive(&mut state, loaded(1, None), Duration::ZERO);
+    update(&mut state, Command::Answer(Answer::Discard));
+    assert_eq!(names(&state), ["object 0"]);
+    assert_eq!(state.scenes, scenes + 1);
 
-    // Saved first: the scene has no file yet, so one is asked for.
+    // Saved first, and then shown; not if saving fails.
+    update(&mut state, Command::Rename(0, "lid".to_owned()));
+    for saves in [false, true] {
+        receive(&mut state, other(), Duration::ZERO);
+        update(&mut state, Command::Answer(Answer::Save));
+        update(&mut state, Command::TypePath("lid".to_owned()));
+        assert!(update(&mut state, Command::ConfirmPath).is_some());
+        let news = match saves {
+            true => News::SceneSaved("lid.raycast.toml".into(), state.history.revision()),
+            false => News::NotSaved("the disk is full".to_owned()),
+        };
+        receive(&mut state, news, Duration::ZERO);
+        assert_eq!(names(&state).len(), if saves { 3 } else { 1 });
+        assert!(state.arrived.is_none());
+    }
+}
+
+#[test]
+fn unsaved_changes_are_asked_for_before_the_window_closes() {
+    let mut state = opened(1);
+    assert_eq!(update(&mut state, Command::Close), Some(Effect::Close));
+    update(&mut state, Command::Rename(0, "lid".to_owned()));
+    // The scene has no file yet, so one is asked for.
     assert_eq!(update(&mut state, Command::Close), None);
     let asks = Some(Effect::Dialog(PromptKind::Scene));
     assert_eq!(update(&mut state, Command::Answer(Answer::Save)), asks);
@@ -313,8 +355,14 @@ fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
     update(&mut state, Command::SetWatch(true));
     update(&mut state, Command::Delete(0));
     assert_eq!(receive(&mut state, changed(), Duration::ZERO), None);
-    assert_eq!(update(&mut state, Command::Reload), None);
-    assert_eq!(state.question, Some(Pending::Reload));
+    assert_eq!(update(&mut state, Command::Reload), reads);
+    let News::Loaded(mut again) = loaded(2, None) else {
+        unreachable!("it was made so");
+    };
+    again.keep = Keep::All;
+    receive(&mut state, News::Loaded(again), Duration::ZERO);
+    assert_eq!(state.question, Some(Pending::Open));
+    assert_eq!(names(&state).len(), 1);
 }
 
 #[test]

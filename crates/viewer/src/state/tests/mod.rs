@@ -11,13 +11,14 @@ use super::command::Command;
 use super::effect::Effect;
 use super::update::{advance, middle, update};
 use super::*;
+use crate::state::arrival::Loaded;
 use crate::state::document::{Document, Tree};
 use crate::state::effect::Keep;
 use crate::state::insertion::Insertion;
 use crate::state::inspection::{Checked, Fault, Shown};
 use crate::state::measure::{Kind, Measurement};
 use crate::state::motion;
-use crate::state::news::{DialogAnswer, Loaded, News, expire_toasts, receive};
+use crate::state::news::{DialogAnswer, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
 use crate::state::{Answer, Replacing, TILES_LIMIT};
 use raycast_core::camera::{
@@ -26,7 +27,8 @@ use raycast_core::camera::{
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::scene::{
-    Color, ColorRule, Mesh, MeshData, Object, Scene, Shape, Texture, Transform,
+    Color, ColorMap, ColorRule, ColorScale, Mesh, MeshData, Object, Quantity, Scene, Shape,
+    Texture, Transform,
 };
 use raycast_core::shade::{Mode, TextureProjection};
 use raycast_core::{Accel, Cull, Precision};
@@ -110,6 +112,41 @@ fn build(state: &mut State) {
     let scene = Arc::clone(&document(state).scene);
     let tree = tree(&scene);
     receive(state, News::Built(scene, tree), Duration::ZERO);
+}
+
+#[test]
+fn a_picks_color_is_its_rules_in_the_present_settings() {
+    let mut state = opened(2);
+    do_all(
+        &mut state,
+        [Command::Look(StandardView::Front), Command::Fit],
+    );
+    let camera = state.camera().expect("a camera");
+    let at = camera
+        .project(DVec3::new(2.25, 0.25, 0.0))
+        .expect("in view");
+    update(&mut state, Command::Pin { at, beside: false });
+    let pinned = state.picks.current().expect("a pick").clone();
+    state.settings.shading.plain_color = Color([1, 2, 3]);
+    assert_eq!(state.color(&pinned), Some(Color([1, 2, 3])));
+    let mut colored = |rule: ColorRule| {
+        update(&mut state, Command::SetColorRule(None, rule));
+        state.color(&pinned)
+    };
+    assert_eq!(colored(ColorRule::ByObject), Some(ColorRule::of_object(1)));
+    assert_eq!(colored(ColorRule::Normal), Some(Color([128, 128, 255])));
+    let area = || ColorRule::Value(Quantity::Area);
+    assert_eq!(colored(area()), None, "no picture has computed the range");
+    let mesh = &document(&state).scene.objects[1].mesh;
+    mesh.value_range(&Quantity::Area);
+    assert!(state.color(&pinned).is_some());
+    let shade = &mut state.settings.shading;
+    shade.scale = Some(ColorScale {
+        range: Some([0.0, 0.5]),
+        ..ColorScale::default()
+    });
+    let brightest = *ColorMap::default().colors().last().expect("colors");
+    assert_eq!(state.color(&pinned), Some(brightest), "its area is a half");
 }
 
 #[test]
