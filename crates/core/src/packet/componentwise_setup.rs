@@ -123,6 +123,36 @@ fn is_clear((value, error): (f64, f64)) -> bool {
     value.abs() > 4.0 * error
 }
 
+/// What the functions of a triangle are computed from.
+struct Factors {
+    /// Corners relative to the eye.
+    relative: [DVec3; 3],
+    normal: Bounded,
+    /// For each edge its first and its second corner relative to the eye, and the way from the one to the other.
+    edges: [(DVec3, DVec3, DVec3); 3],
+}
+
+impl Factors {
+    /// `None` where a number is out of [`RANGE`].
+    #[inline(always)]
+    fn new([a, b, c]: [DVec3; 3], origin: DVec3) -> Option<Self> {
+        let (p, q, r) = (a - origin, b - origin, c - origin);
+        let (ab, bc, ca) = (b - a, c - b, a - c);
+        let mut in_range = true;
+        for vector in [p, q, r, ab, bc, ca] {
+            let size = vector.abs();
+            let within = size.cmpge(DVec3::splat(1.0 / RANGE)) & size.cmple(DVec3::splat(RANGE));
+            in_range &= (within | size.cmpeq(DVec3::ZERO)).all();
+        }
+        // NaN counts as out of range.
+        in_range.then(|| Self {
+            relative: [p, q, r],
+            normal: Bounded::cross(ab, -ca, bc),
+            edges: [(q, r, bc), (r, p, ca), (p, q, ab)],
+        })
+    }
+}
+
 /// Triangles that are set up again with componentwise bounds.
 pub(super) struct ComponentwiseSetup<'a> {
     pub(super) space: &'a PacketSpace,
@@ -152,21 +182,15 @@ impl PacketSpace {
         let a = Vec3::new(ax[l], ay[l], az[l]).as_dvec3();
         let b = Vec3::new(bx[l], by[l], bz[l]).as_dvec3();
         let c = Vec3::new(cx[l], cy[l], cz[l]).as_dvec3();
-        let (p, q, r) = (a - self.origin, b - self.origin, c - self.origin);
-        let (ab, bc, ca) = (b - a, c - b, a - c);
-        let mut in_range = true;
-        for vector in [p, q, r, ab, bc, ca] {
-            let size = vector.abs();
-            let within = size.cmpge(DVec3::splat(1.0 / RANGE)) & size.cmple(DVec3::splat(RANGE));
-            in_range &= (within | size.cmpeq(DVec3::ZERO)).all();
-        }
-        // NaN counts as out of range.
-        if !in_range {
+        let Some(Factors {
+            relative,
+            normal,
+            edges,
+        }) = Factors::new([a, b, c], self.origin)
+        else {
             return;
-        }
-        let normal = Bounded::cross(ab, -ca, bc);
-        let edges = [(q, r, bc), (r, p, ca), (p, q, ab)];
-        let (key, facing, numerator_error) = self.depth_function([p, q, r], &normal, &edges);
+        };
+        let (key, facing, numerator_error) = self.depth_function(relative, &normal, &edges);
         let clear = is_clear(facing);
         let (facing, facing_error) = facing;
         if clear & (self.cull == Cull::Back) & (facing > 0.0) {
@@ -221,6 +245,25 @@ impl PacketSpace {
         out.depth_key_error[l] = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
         is_sound &= (key_error < f64::from(f32::MAX)) & (spread < f64::from(f32::MAX));
         out.ill_conditioned[l] = !(clear & is_sound);
+    }
+
+    /// A triangle's edge functions over the whole packet, positive inside, each with the bound on its error. `None`
+    /// where it is not sure which side of the triangle the packet sees.
+    pub(super) fn edges_componentwise(&self, corners: [Vec3; 3]) -> Option<[(Linear, f64); 3]> {
+        let factors = Factors::new(corners.map(Vec3::as_dvec3), self.origin)?;
+        let Factors {
+            relative,
+            normal,
+            edges,
+        } = &factors;
+        let (_, facing, _) = self.depth_function(*relative, normal, edges);
+        is_clear(facing).then(|| {
+            edges.map(|(from, to, way)| {
+                let cross = Bounded::cross(from, to, way);
+                let (function, error) = self.edge_function(&cross, way);
+                (function.times(facing.0.signum()), error)
+            })
+        })
     }
 
     /// Upper bounds of the components of i·a + j·b.

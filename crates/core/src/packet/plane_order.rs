@@ -16,7 +16,9 @@
 //! extent of cells, are in single precision: F moves by its slope times [`PLACE_ERROR`].
 //!
 //! Next to the eye, planes that are far apart compared with their distance from it may still be closer than sₖ in double
-//! precision are to the truth. Then the sₖ are computed in double-double arithmetic.
+//! precision are to the truth; then the sₖ are computed in double-double arithmetic. And where coordinates differ by many
+//! magnitudes, δ by the greatest of them is more than the Eₖ; then each has a componentwise bound of its own
+//! ([`PacketSpace::edges_componentwise`]).
 
 use super::params::{CELLS, ROW};
 use super::setup::{Linear, PacketSpace, REACH};
@@ -43,9 +45,9 @@ const CACHED: usize = 16;
 /// A triangle's plane, its normal turned to the side that rays go to; `None` where it is not sure how rays cross it.
 type TurnedPlane = Option<Plane>;
 
-/// The edge functions of a triangle over a packet, and the bound on their error; `None` where it is not sure which
+/// The edge functions of a triangle over a packet, each with the bound on its error; `None` where it is not sure which
 /// side of the triangle the packet sees.
-type Edges = Option<([Linear; 3], f64)>;
+type Edges = Option<[(Linear, f64); 3]>;
 
 /// A triangle's plane as the rays of a packet cross it. For a perspective packet they go from the eye to the plane, as
 /// hits lie in front of the eye.
@@ -77,17 +79,38 @@ impl PlaneOrder {
         error: f64::INFINITY,
     };
 
-    /// The order of two triangles: by the plane of the first, and the edge functions of the second.
-    fn new(plane: &TurnedPlane, [first, second]: [[Vec3; 3]; 2], edges: &Edges) -> Self {
+    /// The order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
+    /// or with componentwise bounds.
+    fn new(
+        plane: &TurnedPlane,
+        [first, second]: [[Vec3; 3]; 2],
+        in_double: &Edges,
+        componentwise: impl FnOnce() -> Edges,
+    ) -> Self {
         let Some(plane) = plane else {
             return Self::UNKNOWN;
         };
-        let order = Self::by_distances(second.map(|corner| plane.distance(corner)), edges);
-        if order.error <= ACCURATE * order.function.reach() {
+        let order = Self::by_distances(second.map(|corner| plane.distance(corner)), in_double);
+        if order.uncertainty() <= ACCURATE {
             return order;
         }
         let distance = |corner| plane.distance_in_double_double(first, corner);
-        Self::by_distances(second.map(distance), edges)
+        let distances = second.map(distance);
+        let closer = Self::by_distances(distances, in_double);
+        if closer.uncertainty() <= ACCURATE {
+            return closer;
+        }
+        let closest = Self::by_distances(distances, &componentwise());
+        if closest.uncertainty() < closer.uncertainty() {
+            closest
+        } else {
+            closer
+        }
+    }
+
+    /// The error as a share of the greatest |F| in the packet.
+    fn uncertainty(&self) -> f64 {
+        self.error / self.function.reach()
     }
 
     /// The order by the distances of the second triangle's corners from the plane, each with its error.
@@ -107,12 +130,12 @@ impl PlaneOrder {
                 };
             }
         }
-        let Some((edges, edge_error)) = edges else {
+        let Some(edges) = edges else {
             return Self::UNKNOWN;
         };
         let mut function = Self::UNKNOWN.function;
         let mut error = 0.0;
-        for ((distance, distance_error), edge) in distances.into_iter().zip(edges) {
+        for ((distance, distance_error), (edge, edge_error)) in distances.into_iter().zip(edges) {
             function.constant += distance * edge.constant;
             function.x += distance * edge.x;
             function.y += distance * edge.y;
@@ -253,12 +276,14 @@ impl PlaneOrders {
             }
             let of_second = corners(second);
             if cache.edges.0 != second {
-                cache.edges = (second, space.edges_in_double(of_second));
+                let edges = space.edges_in_double(of_second);
+                let edges = edges.map(|(edges, error)| edges.map(|edge| (edge, error)));
+                cache.edges = (second, edges);
             }
-            (*cached, *order) = (
-                pair,
-                PlaneOrder::new(plane, [corners(first), of_second], &cache.edges.1),
-            );
+            let both = [corners(first), of_second];
+            let componentwise = || space.edges_componentwise(of_second);
+            *cached = pair;
+            *order = PlaneOrder::new(plane, both, &cache.edges.1, componentwise);
         }
         *order
     }
@@ -429,6 +454,49 @@ mod tests {
         );
     }
 
+    /// Corners whose coordinates relative to the eye have random exponents. With the bounds of edge functions that go by
+    /// the greatest coordinate alone this fails.
+    #[test]
+    fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
+        let mut random = Random(78);
+        let [mut pairs, mut decided] = [0; 2];
+        for _ in 0..150 {
+            let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.02);
+            let eye = camera.placement().eye;
+            let space = space(&camera, DVec3::ZERO, Cull::None);
+            let mut orders = PlaneOrders::new();
+            orders.set_rays(&space);
+            let mut number = || random.signed() * math::pow(10.0, 18.0 * random.signed());
+            let mut corner = || (eye + DVec3::new(number(), number(), number())).as_vec3();
+            let triangles: Vec<[Vec3; 3]> = (0..40).map(|_| [(); 3].map(|()| corner())).collect();
+            let placed = |triangle: u32| Placed {
+                corners: triangles[triangle as usize],
+                origin: DVec3::ZERO,
+            };
+            let ray = camera.ray(9.5, 9.5);
+            let places = (&[9.0; LANES], &[9.0; LANES]);
+            let hits: Vec<u32> = (0..triangles.len() as u32)
+                .filter(|&at| exact::hit(&ray, &placed(at), Cull::None, 0).is_some())
+                .collect();
+            for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
+                let [first, second] = pair.map(placed);
+                let truth = exact::compare(&ray, &first, &second, Cull::None);
+                let order = orders.of_eight(pair, places, |triangle| triangles[triangle as usize]);
+                pairs += 1;
+                match order {
+                    [0xff, 0] => assert_eq!(truth, Some(Ordering::Less), "{first:?} {second:?}"),
+                    [0, 0xff] => assert_eq!(truth, Some(Ordering::Greater), "{first:?} {second:?}"),
+                    _ => continue,
+                }
+                decided += 1;
+            }
+        }
+        assert!(
+            pairs > 300 && decided * 100 > pairs * 90,
+            "{decided} of {pairs}"
+        );
+    }
+
     /// Where two planes cross between a ray and its place in single precision, the place does not decide. With
     /// [`PLACE_ERROR`] at zero this fails.
     #[test]
@@ -446,10 +514,14 @@ mod tests {
         let plane = Plane::new(first);
         let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
         let edges = [edge(1.0, 0.0), edge(0.0, crossing), edge(0.0, 1.0)];
-        let order = PlaneOrder::new(&Some(plane), [first, corners], &Some((edges, 0.0)));
+        let order = PlaneOrder::new(&Some(plane), [first, corners], &off_by(edges, 0.0), || None);
         let of = |x: f64| order.of_eight((&[x as f32; LANES], &[0.0; LANES]));
         assert_eq!(of(place), [0, 0]);
         assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
+    }
+
+    fn off_by(edges: [Linear; 3], error: f64) -> Edges {
+        Some(edges.map(|edge| (edge, error)))
     }
 
     fn constant(constant: f64) -> Linear {
@@ -472,10 +544,12 @@ mod tests {
         let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
         let of = |more: f64| {
             let edges = [constant(1.0 + more), constant(1.0), constant(1.0)];
+            let edges = off_by(edges, 1e-9);
             signs(&PlaneOrder::new(
                 &Some(plane),
                 [first, corners],
-                &Some((edges, 1e-9)),
+                &edges,
+                || None,
             ))
         };
         assert_eq!([of(1.9e-9), of(-1.9e-9)], [[0; 2]; 2]);
@@ -494,10 +568,10 @@ mod tests {
             let first = [a, b, c].map(|corner| corner.as_vec3());
             let plane = Plane::new(first);
             let corners = [at(2.0, -3.0), at(-1.0, 3.0), at(3.0, 2.0)];
-            let edges = Some(([constant(1.0), constant(2.0), constant(0.5)], 0.0));
+            let edges = off_by([constant(1.0), constant(2.0), constant(0.5)], 0.0);
             let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), &edges);
             assert_eq!(signs(&order), [0, 0], "{a} {b} {c}");
-            let wide = PlaneOrder::new(&Some(plane), [first, corners], &edges);
+            let wide = PlaneOrder::new(&Some(plane), [first, corners], &edges, || None);
             assert_eq!(signs(&wide), [0, 0], "{a} {b} {c}");
             rounded += u32::from(order.function.constant != 0.0);
         }

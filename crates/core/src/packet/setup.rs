@@ -421,6 +421,16 @@ impl Linear {
         }
     }
 
+    /// The function times a constant.
+    #[inline(always)]
+    pub(super) fn times(self, factor: f64) -> Self {
+        Self {
+            constant: self.constant * factor,
+            x: self.x * factor,
+            y: self.y * factor,
+        }
+    }
+
     /// The function minus a constant.
     #[inline(always)]
     pub(super) fn less(self, constant: f64) -> Self {
