@@ -117,19 +117,6 @@ impl Object {
         }
         self.mesh.corner_colors(triangle)
     }
-
-    /// The sRGB colour of one of its triangles: by the rule where the triangle's number alone decides it, by the file's
-    /// material for [`ColorRule::File`]; else [`Color::DEFAULT`], whatever the picture's shading says.
-    pub fn triangle_color(&self, triangle: u32) -> Color {
-        let by_file = || {
-            let material = self
-                .mesh
-                .material(triangle)
-                .filter(|_| self.color.is_file());
-            material.map_or(Color::DEFAULT, |material| material.color)
-        };
-        self.color.color(triangle).unwrap_or_else(by_file)
-    }
 }
 
 /// Why rays cannot be cast at a scene.

@@ -218,7 +218,7 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
             let edit = egui::TextEdit::singleline(&mut text)
                 .hint_text(hint)
                 .desired_width(ui.available_width() - 122.0);
-            // Enter accepts a name to open, since no file has the name so far; one to save may be new.
+            // Enter accepts a name to open: where something completes it, no file has it. One to save may be new.
             let accepting: &[egui::Key] = match prompt.kind.saves() {
                 true => &[egui::Key::Tab],
                 false => &[egui::Key::Tab, egui::Key::Enter],

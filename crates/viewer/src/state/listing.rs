@@ -12,13 +12,14 @@ pub struct Listing {
 }
 
 impl Listing {
-    /// The names that complete `word`, without regard to case. Nothing completes itself, and a hidden name only what
-    /// begins with its dot.
+    /// The names that complete `word`, without regard to case. Nothing completes a name in the folder, so that it can be
+    /// confirmed where longer ones begin with it; and a hidden name completes only what begins with its dot.
     pub fn completing(&self, word: &str) -> impl Iterator<Item = &String> {
         let start = word.to_lowercase();
+        let is_complete = self.names.iter().any(|name| name == word);
         self.names.iter().filter(move |name| {
             let is_meant = !name.starts_with('.') || start.starts_with('.');
-            is_meant && **name != word && name.to_lowercase().starts_with(&start)
+            !is_complete && is_meant && name.to_lowercase().starts_with(&start)
         })
     }
 }
@@ -45,14 +46,22 @@ mod tests {
     fn names_complete_what_is_typed_whatever_its_case() {
         let listing = Listing {
             folder: "models/".to_owned(),
-            names: [".cache/", "Bunny.obj", "bunnies/", "cube.ply"]
-                .map(str::to_owned)
-                .to_vec(),
+            names: [
+                ".cache/",
+                "Bunny.obj",
+                "bunnies/",
+                "cube.ply",
+                "cube.ply.gz",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
         };
         let found = |word| listing.completing(word).cloned().collect::<Vec<_>>();
         assert_eq!(found("bun"), ["Bunny.obj", "bunnies/"]);
         assert_eq!(found("Bunny.obj"), [""; 0], "it is typed in full");
-        assert_eq!(found(""), ["Bunny.obj", "bunnies/", "cube.ply"]);
+        assert_eq!(found("cube.ply"), [""; 0], "it is a file");
+        assert_eq!(found("cube.ply."), ["cube.ply.gz"]);
+        assert_eq!(found("")[..2], ["Bunny.obj", "bunnies/"]);
         assert_eq!(found("."), [".cache/"]);
         assert_eq!(folder_of("models/bun"), "models/");
         assert_eq!((folder_of("bun"), folder_of("/")), ("", "/"));

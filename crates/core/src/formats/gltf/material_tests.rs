@@ -72,7 +72,8 @@ fn colours_are_those_of_factors_vertices_and_images() {
 "textures": [{"source": 0, "sampler": 0}], "samplers": [{"wrapS": 33071, "wrapT": 33648}], "images": [{"uri": "t.ppm"}]"#;
     let file = read(&gltf(&more, accessors, rest));
     let object = &file.scene.objects[0];
-    assert_eq!(object.triangle_color(0), Color([0, 255, 128]));
+    let material = object.mesh.material(0).expect("a material");
+    assert_eq!(material.color, Color([0, 255, 128]));
     assert_eq!(object.corner_colors(0), None);
     let half = object.corner_colors(1).expect("colours of vertices");
     assert_eq!(
