@@ -99,33 +99,33 @@ pub(super) static ACTIONS: &[Action] = &[
     cut!(
         "cut.x",
         "Cut across X",
-        "Cut away what is before a plane across the X axis",
+        "Section by a clipping plane across the X axis: what is before it is cut away",
         PlaneBy::Axis(0)
     )
     .apart(),
     cut!(
         "cut.y",
         "Cut across Y",
-        "Cut away what is before a plane across the Y axis",
+        "Section by a clipping plane across the Y axis: what is before it is cut away",
         PlaneBy::Axis(1)
     ),
     cut!(
         "cut.z",
         "Cut across Z",
-        "Cut away what is before a plane across the Z axis",
+        "Section by a clipping plane across the Z axis: what is before it is cut away",
         PlaneBy::Axis(2)
     ),
     cut!(
         "cut.view",
         "Cut across the view",
-        "Cut away what is before the point that one turns about",
+        "Section by a clipping plane through the point that one turns about: what is before it is cut away",
         PlaneBy::View
     ),
     Action::of(
         Menu::Tools,
         "cut.points",
         "Cut through three points",
-        "Click three points: what is before their plane is cut away",
+        "Click three points of a section: what is before the clipping plane through them is cut away",
         &[],
         |state| Command::SetCutting(state.cutting.is_none()),
     )
