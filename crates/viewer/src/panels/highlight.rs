@@ -120,7 +120,7 @@ fn box_of_marked(
 
 /// Pixels of an edge for each test whether it is hidden: shorter steps are not noticed on a thin line.
 const STEP: f64 = 6.0;
-/// The most tests of an edge: the box's twelve edges then take 576 rays a frame, about a millisecond.
+/// The most tests of an edge: the box's twelve edges then take 576 rays a frame.
 const MOST_STEPS: f64 = 48.0;
 
 /// Lines before the eye, cut where they go behind something or come out again; whether each part is hidden.

@@ -371,7 +371,7 @@ impl IntervalZBuffer {
     /// For cells in which depths have left orders undecided.
     #[inline(never)]
     pub(super) fn is_behind_stored(
-        &mut self,
+        &self,
         primitive: u32,
         (cell, places): (usize, &PlacesWithin),
         decisions: &mut Decisions<'_>,
@@ -380,14 +380,13 @@ impl IntervalZBuffer {
         let (mut nearer, mut found) = ([MISS; MOST_STORED], 0);
         let mut last = MISS;
         for row in 0..ROW {
-            let Some((low, _, stored)) = self.rays(first + row * SIDE) else {
-                return false;
-            };
+            let rays = first + row * SIDE..first + row * SIDE + ROW;
+            let (low, stored) = (&self.low[rays.clone()], &self.primitives[rays]);
             // Layers mostly fill a row with one triangle.
-            if last != MISS && *stored == [last; ROW] {
+            if last != MISS && stored == [last; ROW] {
                 continue;
             }
-            for (&low, &stored) in low.iter().zip(&*stored) {
+            for (&low, &stored) in low.iter().zip(stored) {
                 // Entries without a ray are infinitely near.
                 if low == f32::INFINITY {
                     continue;
