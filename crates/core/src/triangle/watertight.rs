@@ -236,10 +236,24 @@ impl PreparedRay {
     }
 
     /// The triangle's edge functions for this ray.
+    #[inline(always)]
     fn edges(&self, corners: [Vec3; 3]) -> Edges {
-        let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
-        let [x, y, z] = axes(self.major).map(|axis| relative.map(|corner| corner[axis]));
-        Edges::new(x, y, z, self.shear, self.origin_error)
+        let [a, b, c] = [
+            corners[0].to_array(),
+            corners[1].to_array(),
+            corners[2].to_array(),
+        ];
+        let origin = self.origin.to_array();
+        let along = |axis: usize| {
+            let origin = origin[axis];
+            [
+                f64::from(a[axis]) - origin,
+                f64::from(b[axis]) - origin,
+                f64::from(c[axis]) - origin,
+            ]
+        };
+        let [x, y, z] = axes(self.major);
+        Edges::new(along(x), along(y), along(z), self.shear, self.origin_error)
     }
 
     /// Whether a triangle with these edge functions shows a culled back face. It is seen along the major axis, so its
