@@ -124,6 +124,12 @@ fn fragments() -> Result<(), Box<dyn Error>> {
     ];
     render(&seed("fragment_png", "whole"), "png", &whole)?;
     render(&seed("fragment_png", "part"), "png", &part)?;
+    render(&seed("picture_tiff", "opaque"), "tif", &[])?;
+    render(
+        &seed("picture_tiff", "transparent"),
+        "tif",
+        &["--background", "transparent"],
+    )?;
     render(&seed("fragment_exr", "whole"), "exr", &whole)?;
     render(&seed("fragment_exr", "part"), "exr", &part)?;
     render(&seed("fragment_exr", "picture"), "exr", &[])?;

@@ -65,8 +65,8 @@ fn a_wrong_pixel_is_found() {
     }
 }
 
-/// A picture whose colours, or normals, or texture coordinates were painted over is found out, in an EXR
-/// and in a PNG, and nothing need be said of its camera or its shading.
+/// A picture whose colours, or normals, or texture coordinates were painted over is found out, in an EXR,
+/// a PNG and a TIFF, and nothing need be said of its camera or its shading.
 #[test]
 fn a_repainted_picture_is_found() {
     let folder = folder();
@@ -74,7 +74,8 @@ fn a_repainted_picture_is_found() {
     for (mode, samples) in [("smooth", "1"), ("flat", "3"), ("normals", "1")] {
         let exr = folder.path().join("picture.exr");
         let png = folder.path().join("picture.png");
-        for path in [&exr, &png] {
+        let tiff = folder.path().join("picture.tif");
+        for path in [&exr, &png, &tiff] {
             let view = ["--size", "90x70", "--orbit", "40,10", "--fov", "30"];
             let mut arguments = arguments!["render", &mesh, "-o", path];
             arguments.extend(view.map(OsString::from));
@@ -120,6 +121,8 @@ fn a_repainted_picture_is_found() {
         bad.pixels[row].fill([120, 40, 200, 255]);
         write(&bad, Format::Png, &png);
         refused(&png, None);
+        write(&bad, Format::Tiff, &tiff);
+        refused(&tiff, None);
     }
 }
 
@@ -128,7 +131,7 @@ fn a_repainted_picture_is_found() {
 fn a_picture_of_something_else_is_refused() {
     let folder = folder();
     let (mesh, other) = (asset("monkey.obj"), asset("cube.obj"));
-    for name in ["picture.exr", "picture.png", "part.png"] {
+    for name in ["picture.exr", "picture.png", "picture.tiff", "part.png"] {
         let path = folder.path().join(name);
         let mut arguments = arguments!["render", &mesh, "-o", &path, "--size", "60x40"];
         arguments.extend(["--orbit", "40,10", "--color", "#aa3355"].map(OsString::from));

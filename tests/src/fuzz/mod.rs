@@ -16,6 +16,7 @@ pub mod mtl;
 pub mod obj;
 pub mod off;
 pub mod picture;
+pub mod picture_tiff;
 pub mod placed;
 pub mod ply;
 pub mod prepared;
@@ -31,7 +32,7 @@ pub mod triangle_text;
 pub type Target = fn(&[u8]) -> Result<(), String>;
 
 /// All targets, by the names of their folders in `fuzz/seeds`.
-pub const TARGETS: [(&str, Target); 15] = [
+pub const TARGETS: [(&str, Target); 16] = [
     ("fragment_exr", fragment_exr::check),
     ("fragment_png", fragment_png::check),
     ("gltf", gltf::check),
@@ -39,6 +40,7 @@ pub const TARGETS: [(&str, Target); 15] = [
     ("mtl", mtl::check),
     ("obj", obj::check),
     ("off", off::check),
+    ("picture_tiff", picture_tiff::check),
     ("ply", ply::check),
     ("prepared", prepared::check),
     ("rays", rays::check),

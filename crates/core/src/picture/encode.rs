@@ -1,5 +1,7 @@
 use super::file::Tags;
-use super::{Format, ImageError, ImageFile, Picture, Recipe, bands, exr_read, jpeg, png};
+use super::{
+    Format, ImageError, ImageFile, Picture, Recipe, bands, exr_read, jpeg, png, tiff_read,
+};
 
 impl Picture {
     /// The bytes of an image file in this format; they depend on the picture only.
@@ -44,19 +46,21 @@ impl Picture {
 }
 
 impl ImageFile {
-    /// Reads a PNG or an EXR that [`Picture::encode`], [`Picture::encode_with`] or
+    /// Reads a PNG, an EXR or a TIFF that [`Picture::encode`], [`Picture::encode_with`] or
     /// [`Fragment::encode`](super::Fragment::encode) made.
     ///
     /// # Errors
-    /// Bytes that are neither, damaged ones, an EXR without RayCast's channels, a PNG without
-    /// 8-bit colours, a fragment whose pixels do not match their checksum.
+    /// Bytes that are none of them, damaged ones, an EXR without RayCast's channels, a PNG or a TIFF
+    /// without 8-bit colours, a fragment whose pixels do not match their checksum.
     pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
         if bytes.starts_with(b"\x89PNG") {
             png::decode(bytes)
         } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
             exr_read::decode(bytes)
+        } else if tiff_read::is_tiff(bytes) {
+            tiff_read::decode(bytes)
         } else {
-            Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()))
+            Err(ImageError::neither())
         }
     }
 }

@@ -25,3 +25,10 @@ pub enum ImageError {
     #[error("the image could not be read: {0}")]
     Decode(String),
 }
+
+impl ImageError {
+    /// The error for bytes of no kind of image that is read.
+    pub(super) fn neither() -> Self {
+        Self::Decode("it is neither PNG nor EXR nor TIFF".to_owned())
+    }
+}

@@ -11,7 +11,7 @@ pub(super) struct Tags<'a> {
     pub(super) position: Option<&'a FragmentPosition>,
 }
 
-/// The contents of one of RayCast's PNG or EXR files, a whole picture or a fragment.
+/// The contents of one of RayCast's PNG, EXR or TIFF files, a whole picture or a fragment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageFile {
     /// The pixels, with layers in an EXR.

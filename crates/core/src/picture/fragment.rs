@@ -429,7 +429,7 @@ pub(super) mod tests {
                 .expect_err("not a fragment")
                 .to_string()
         };
-        assert!(message(b"").contains("neither PNG nor EXR"));
+        assert!(message(b"").contains("neither PNG nor EXR nor TIFF"));
         let picture = sample_picture(4, 4, true);
         for format in [Format::Png, Format::Exr] {
             let bytes = picture.encode(format).expect("encodes");

@@ -26,6 +26,7 @@ mod recipe_values;
 mod rows;
 mod stitch;
 mod tiff;
+mod tiff_read;
 mod xmp;
 
 pub use animated_png::AnimatedPng;

@@ -1,9 +1,9 @@
 use super::fragment_position::FragmentPosition;
-use super::{ImageError, Picture, Recipe, exr_read, png};
+use super::{ImageError, Picture, Recipe, exr_read, png, tiff_read};
 use crate::camera::Rect;
 use std::io::{BufRead, Seek};
 
-/// Reads one of RayCast's PNG or EXR files, a whole picture or a fragment, from the top, some rows at a time: for
+/// Reads one of RayCast's PNG, EXR or TIFF files, a whole picture or a fragment, from the top, some rows at a time: for
 /// pictures larger than memory.
 pub struct RowReader<R: BufRead + Seek> {
     kind: Kind<R>,
@@ -16,13 +16,14 @@ pub struct RowReader<R: BufRead + Seek> {
 enum Kind<R: BufRead + Seek> {
     Png(Box<png::Reader<R>>),
     Exr(Box<exr_read::Reader<R>>),
+    Tiff(Box<tiff_read::Reader<R>>),
 }
 
 impl<R: BufRead + Seek> RowReader<R> {
     /// Opens a file of `length` bytes.
     ///
     /// # Errors
-    /// Bytes that are neither PNG nor EXR, or of other channels; a damaged recipe or position.
+    /// Bytes that are neither PNG nor EXR nor TIFF, or of other channels; a damaged recipe or position.
     pub fn open(mut read: R, length: u64) -> Result<Self, ImageError> {
         let begin = read
             .fill_buf()
@@ -35,8 +36,12 @@ impl<R: BufRead + Seek> RowReader<R> {
             let exr = exr_read::Reader::open(read, length)?;
             let (recipe, position) = (exr.recipe()?, exr.position()?);
             (Kind::Exr(Box::new(exr)), recipe, position)
+        } else if tiff_read::is_tiff(begin) {
+            let tiff = tiff_read::Reader::open(read, length)?;
+            let recipe = tiff.recipe().cloned();
+            (Kind::Tiff(Box::new(tiff)), recipe, None)
         } else {
-            return Err(ImageError::Decode("it is neither PNG nor EXR".to_owned()));
+            return Err(ImageError::neither());
         };
         Ok(Self {
             kind,
@@ -51,6 +56,7 @@ impl<R: BufRead + Seek> RowReader<R> {
         match &self.kind {
             Kind::Png(png) => png.size(),
             Kind::Exr(exr) => exr.size(),
+            Kind::Tiff(tiff) => tiff.size(),
         }
     }
 
@@ -93,6 +99,7 @@ impl<R: BufRead + Seek> RowReader<R> {
         let picture = match &mut self.kind {
             Kind::Png(png) => png.rows(rows)?,
             Kind::Exr(exr) => exr.rows(rows)?,
+            Kind::Tiff(tiff) => tiff.rows(rows)?,
         };
         self.read += rows;
         if let Kind::Png(png) = &mut self.kind
@@ -114,7 +121,7 @@ mod tests {
 
     #[test]
     fn rows_are_those_of_the_whole() {
-        for format in [Format::Png, Format::Exr] {
+        for format in [Format::Png, Format::Exr, Format::Tiff] {
             let picture = sample_picture(37, 101, format == Format::Exr);
             let bytes = picture.encode(format).expect("encodes");
             for most in [1, 5, 16, 32, 33, 101, 1000] {

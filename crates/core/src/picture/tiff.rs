@@ -252,3 +252,79 @@ impl Values {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fragment::tests::sample_picture;
+    use super::super::recipe::tests::sample_recipe;
+    use super::super::{Picture, tiff_read};
+    use super::*;
+
+    fn encoded(picture: &Picture, file: &Banded) -> Vec<u8> {
+        let rect = Rect {
+            x: 0,
+            y: 0,
+            width: picture.width,
+            height: picture.height,
+        };
+        let source = Source {
+            picture,
+            rect,
+            first: 0,
+        };
+        let band = file.encode(source).expect("encodes");
+        [file.head(&band.sizes.parts), band.bytes].concat()
+    }
+
+    #[test]
+    fn what_is_written_is_read_with_offsets_of_either_width() {
+        let recipe = sample_recipe(40, 30);
+        for (columns, rows) in [(1, 1), (256, 256), (257, 511), (700, 300)] {
+            let translucent = sample_picture(columns, rows, false);
+            let mut opaque = translucent.clone();
+            opaque.pixels.iter_mut().for_each(|pixel| pixel[3] = 255);
+            for picture in [translucent, opaque] {
+                let is_opaque = picture.pixels.iter().all(|pixel| pixel[3] == 255);
+                for is_big in [false, true] {
+                    let file = Banded::new((columns, rows), is_opaque, Some(&recipe));
+                    let file = Banded {
+                        is_big,
+                        ..file.expect("a file")
+                    };
+                    let bytes = encoded(&picture, &file);
+                    assert_eq!(bytes[2], if is_big { 43 } else { 42 });
+                    let read = tiff_read::decode(&bytes).expect("decodes");
+                    assert!(read.picture == picture, "{columns} {rows} {is_big}");
+                    assert_eq!(read.recipe.as_ref(), Some(&recipe));
+                }
+            }
+        }
+    }
+
+    /// Whatever is read of a damaged file, it is no larger than the file can hold.
+    #[test]
+    fn a_damaged_file_is_an_error_or_a_picture() {
+        let picture = sample_picture(300, 200, false);
+        let file = Banded::new((300, 200), false, Some(&sample_recipe(40, 30))).expect("a file");
+        let bytes = encoded(&picture, &file);
+        for length in (0..bytes.len()).step_by(97) {
+            assert!(
+                tiff_read::decode(&bytes[..length]).is_err(),
+                "cut to {length}"
+            );
+        }
+        let head = file.head(&[]).len();
+        let mut refused = 0;
+        for at in 0..head {
+            for bit in [0, 3, 7] {
+                let mut bytes = bytes.clone();
+                bytes[at] ^= 1 << bit;
+                match tiff_read::decode(&bytes) {
+                    Ok(file) => assert!(file.picture.pixels.len() <= bytes.len() * 1032),
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+        assert!(refused > head, "{refused} of {}", 3 * head);
+    }
+}

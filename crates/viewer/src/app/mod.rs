@@ -434,7 +434,9 @@ fn command_of_drop(paths: Vec<PathBuf>, adds: bool) -> Option<Command> {
 fn is_image(path: &Path) -> bool {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase())
-        .is_some_and(|extension| ["png", "jpg", "jpeg", "ppm", "exr"].contains(&extension.as_str()))
+        .is_some_and(|extension| {
+            ["png", "jpg", "jpeg", "ppm", "exr", "tif", "tiff"].contains(&extension.as_str())
+        })
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ Examples:
   raycast verify bunny.exr bunny.obj --checks 100000
   raycast verify bunny.exr bunny.obj --all")]
 pub struct VerifyArgs {
-    /// The image to check, an .exr or .png that `raycast render` wrote, and the meshes or scene files that it shows;
+    /// The image to check, an .exr, .png or .tif that `raycast render` wrote, and the meshes or scene files that it shows;
     /// without an image the files are rendered, and that is checked
     #[arg(required = true, value_name = "[IMAGE] FILES")]
     pub files: Vec<PathBuf>,

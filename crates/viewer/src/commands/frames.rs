@@ -277,7 +277,7 @@ fn write_each(
 
 /// Whether a frame's file exists, is complete, and has this recipe and rectangle.
 fn is_complete(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part: bool) -> bool {
-    if !matches!(format, Format::Png | Format::Exr) || !path.is_file() {
+    if !matches!(format, Format::Png | Format::Exr | Format::Tiff) || !path.is_file() {
         return false;
     }
     if is_part {

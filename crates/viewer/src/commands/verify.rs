@@ -175,7 +175,7 @@ fn split(files: &[PathBuf]) -> Result<(Option<&Path>, &[PathBuf]), Failure> {
     let is_image = |path: &&PathBuf| {
         let extension = path.extension();
         let is = |name: &str| extension.is_some_and(|other| other.eq_ignore_ascii_case(name));
-        is("exr") || is("png")
+        ["exr", "png", "tif", "tiff"].into_iter().any(is)
     };
     let (image, scene) = match files.split_first() {
         Some((first, rest)) if is_image(&first) => (Some(first.as_path()), rest),
