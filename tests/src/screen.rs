@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 /// A running X server that ends with this value.
 #[derive(Debug)]
@@ -87,6 +88,21 @@ impl Screen {
         Shot(image.into_rgb8())
     }
 
+    /// The program's window, by the number that [`Screen::xdotool`] knows it by, once it is shown.
+    pub fn window(&self) -> Option<String> {
+        let found = self.xdotool(&["search", "--onlyvisible", "--name", "RayCast"]);
+        let text = String::from_utf8_lossy(&found.stdout);
+        text.lines().next().map(str::to_owned)
+    }
+
+    /// Tells a window its place and size, and gives it the keyboard: there is no window manager.
+    pub fn place(&self, window: &str, (width, height): (u32, u32)) {
+        let (width, height) = (width.to_string(), height.to_string());
+        self.xdotool(&["windowmove", window, "0", "0"]);
+        self.xdotool(&["windowsize", window, &width, &height]);
+        self.xdotool(&["windowfocus", window]);
+    }
+
     fn on_screen<'a>(&self, command: &'a mut Command) -> &'a mut Command {
         command
             .env("DISPLAY", &self.display)
@@ -129,6 +145,36 @@ impl Drop for Program {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
+    }
+}
+
+/// A program on a screen of its own.
+pub trait OnScreen: Sized {
+    /// The screen, and the program on it.
+    fn screen_and_program(&mut self) -> (&Screen, &mut Program);
+
+    /// Asks until there is an answer.
+    ///
+    /// # Panics
+    /// The program ended, or there is no answer in two minutes, longer than the slowest machine needs for anything that
+    /// is waited for.
+    fn wait_for<T>(&mut self, what: &str, mut ask: impl FnMut(&mut Self) -> Option<T>) -> T {
+        const PATIENCE: Duration = Duration::from_secs(120);
+        let start = Instant::now();
+        loop {
+            if let Some(end) = self.screen_and_program().1.ended() {
+                panic!("the window closed while waiting for {what}: {end}");
+            }
+            if let Some(answer) = ask(self) {
+                return answer;
+            }
+            if start.elapsed() > PATIENCE {
+                let left = std::env::temp_dir().join("raycast-screen.png");
+                let saved = self.screen_and_program().0.shot().0.save(&left);
+                panic!("no {what} in {PATIENCE:?}; {}: {saved:?}", left.display());
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 }
 

@@ -15,7 +15,7 @@
 
 use raycast_tests::binary::command;
 use raycast_tests::process::Usage;
-use raycast_tests::screen::{Program, Screen, missing_programs};
+use raycast_tests::screen::{OnScreen, Program, Screen, missing_programs};
 use raycast_tests::soak_files::{Kind, SoakFiles};
 use serde_json::Value;
 use std::fmt::Write;
@@ -23,9 +23,6 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-
-/// Longer than the slowest machine needs for anything here.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// As long as a person waits before trying again.
 const SETTLE_TIME: Duration = Duration::from_secs(10);
@@ -59,6 +56,12 @@ struct Window {
     retries: u32,
 }
 
+impl OnScreen for Window {
+    fn screen_and_program(&mut self) -> (&Screen, &mut Program) {
+        (&self.screen, &mut self.program)
+    }
+}
+
 impl Window {
     fn open() -> Self {
         let screen = Screen::start(SIZES[0].0, SIZES[0].1);
@@ -78,38 +81,10 @@ impl Window {
             id: String::new(),
             retries: 0,
         };
-        window.id = window.wait_for("a window", |window| {
-            let found = window
-                .screen
-                .xdotool(&["search", "--onlyvisible", "--name", "RayCast"]);
-            let text = String::from_utf8_lossy(&found.stdout).into_owned();
-            text.lines().next().map(str::to_owned)
-        });
-        // There is no window manager: the window is told its place, and gets the keyboard.
-        window.screen.xdotool(&["windowmove", &window.id, "0", "0"]);
-        window.resize(SIZES[0]);
-        window.screen.xdotool(&["windowfocus", &window.id]);
+        window.id = window.wait_for("a window", |window| window.screen.window());
+        window.screen.place(&window.id, SIZES[0]);
         window.wait_for("a scene", |window| window.shows(REST_FILE).then_some(()));
         window
-    }
-
-    /// Asks until there is an answer.
-    fn wait_for<T>(&mut self, what: &str, mut ask: impl FnMut(&mut Self) -> Option<T>) -> T {
-        let start = Instant::now();
-        loop {
-            if let Some(end) = self.program.ended() {
-                panic!("the window closed while waiting for {what}: {end}");
-            }
-            if let Some(answer) = ask(self) {
-                return answer;
-            }
-            if start.elapsed() > PATIENCE {
-                let left = std::env::temp_dir().join("raycast-soak.png");
-                let saved = self.screen.shot().0.save(&left);
-                panic!("no {what} in {PATIENCE:?}; {}: {saved:?}", left.display());
-            }
-            std::thread::sleep(Duration::from_millis(20));
-        }
     }
 
     fn usage(&self) -> Usage {

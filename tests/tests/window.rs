@@ -11,14 +11,11 @@
 use raycast_tests::binary::{command, succeed};
 use raycast_tests::files::folder_with;
 use raycast_tests::models;
-use raycast_tests::screen::{Program, Screen, Shot, missing_programs};
+use raycast_tests::screen::{OnScreen, Program, Screen, Shot, missing_programs};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
-
-/// Longer than the slowest machine needs for anything here.
-const PATIENCE: Duration = Duration::from_secs(120);
+use std::time::Duration;
 
 const SIZE: (u32, u32) = (1600, 1000);
 
@@ -28,6 +25,12 @@ struct Window {
     program: Program,
     screen: Screen,
     home: tempfile::TempDir,
+}
+
+impl OnScreen for Window {
+    fn screen_and_program(&mut self) -> (&Screen, &mut Program) {
+        (&self.screen, &mut self.program)
+    }
 }
 
 impl Window {
@@ -45,38 +48,9 @@ impl Window {
             screen,
             home,
         };
-        let id = window.wait_for("a window", |window| {
-            let found = window
-                .screen
-                .xdotool(&["search", "--onlyvisible", "--name", "RayCast"]);
-            let text = String::from_utf8_lossy(&found.stdout).into_owned();
-            text.lines().next().map(str::to_owned)
-        });
-        // There is no window manager: the window is told its place, and gets the keyboard.
-        let (width, height) = (SIZE.0.to_string(), SIZE.1.to_string());
-        window.screen.xdotool(&["windowmove", &id, "0", "0"]);
-        window.screen.xdotool(&["windowsize", &id, &width, &height]);
-        window.screen.xdotool(&["windowfocus", &id]);
+        let id = window.wait_for("a window", |window| window.screen.window());
+        window.screen.place(&id, SIZE);
         window
-    }
-
-    /// Asks until there is an answer.
-    fn wait_for<T>(&mut self, what: &str, mut ask: impl FnMut(&mut Self) -> Option<T>) -> T {
-        let start = Instant::now();
-        loop {
-            if let Some(end) = self.program.ended() {
-                panic!("the window closed while waiting for {what}: {end}");
-            }
-            if let Some(answer) = ask(self) {
-                return answer;
-            }
-            if start.elapsed() > PATIENCE {
-                let left = std::env::temp_dir().join("raycast-window.png");
-                let saved = self.screen.shot().0.save(&left);
-                panic!("no {what} in {PATIENCE:?}; {}: {saved:?}", left.display());
-            }
-            std::thread::sleep(Duration::from_millis(100));
-        }
     }
 
     /// The lines of the window's log, as far as they are whole.

@@ -34,7 +34,9 @@ pub use plan::PlanArgs;
 pub use prepare::PrepareArgs;
 pub use reading::{LimitArg, ReadingArgs};
 pub use refusal::refuse;
-pub use render_options::{camera_of, camera_options, has_own_projection, render_command};
+pub use render_options::{
+    camera_options, has_own_projection, parse_camera_options, render_command,
+};
 pub use report::ReportArgs;
 pub use section::SectionArgs;
 pub use shading::ShadingArgs;

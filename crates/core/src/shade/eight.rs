@@ -382,7 +382,9 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                 },
                 Target::Light(light) => (&mut [][..], &mut light[begin..begin + columns]),
             };
-            let behind = shader.behind_row(rays.row(row));
+            let (left, y) = rays.place(0, row);
+            let (right, _) = rays.place(lattice.columns.saturating_sub(1), row);
+            let behind = shader.behind_between(left, right, y);
             let backdrop = shader.backdrop8(rays.pixel_row(row));
             let count = pixels.len().max(light.len()) as u32;
             let mut column = 0;

@@ -410,9 +410,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// [`Shader::behind`] at any x, where it does not depend on x.
-    pub(crate) fn behind_row(&self, y: f64) -> Option<[f32; 4]> {
-        (!self.has_overlay() && !self.is_panoramic()).then(|| self.backdrop(y))
+    /// [`Shader::behind`] at all places of a row between two, where it surely does not depend on x.
+    pub(crate) fn behind_between(&self, left: f64, right: f64, y: f64) -> Option<[f32; 4]> {
+        let is_inside = || {
+            !self.is_panoramic()
+                || self.camera.stereo().is_none() && self.camera.has_all_between(left, right, y)
+        };
+        (!self.has_overlay() && is_inside()).then(|| self.backdrop(y))
     }
 
     /// The ground's lines, where they are nearer than `t`, over a colour.

@@ -129,6 +129,39 @@ fn the_background_runs_from_top_to_bottom() {
     assert_eq!(bench.color(shading, 0.5, 0.5), [0.0; 4]);
 }
 
+/// Frames are wider than the panoramas, so that rows cross their rims.
+#[test]
+fn what_lies_behind_a_row_lies_behind_each_of_its_places() {
+    for (name, projection) in Projection::all() {
+        let eye = DVec3::new(0.0, 0.0, 0.5);
+        let bench = Bench::new(vec![object(square())], camera(projection, eye));
+        let mut shading = mode(Mode::Flat);
+        shading.background = Background::Gradient(Color([0, 50, 255]), Color([255, 200, 0]));
+        let shader = bench.shader(shading);
+        let (mut shared, mut outside) = (0, 0);
+        for row in 0..ROWS {
+            let y = f64::from(row) + 0.25;
+            for (left, right) in [(0, COLUMNS), (15, 25), (3, 11)] {
+                let mut places = (left..right).map(|column| f64::from(column) + 0.75);
+                let ends = (f64::from(left) + 0.75, f64::from(right) - 0.25);
+                match shader.behind_between(ends.0, ends.1, y) {
+                    Some(behind) => {
+                        assert!(
+                            places.all(|x| shader.behind(x, y) == behind),
+                            "{name} {row}"
+                        );
+                        shared += 1;
+                    }
+                    None => outside += u32::from(places.any(|x| shader.behind(x, y) == [0.0; 4])),
+                }
+            }
+        }
+        assert!(shared > 10, "{name}: {shared}");
+        let is_bounded = !["perspective", "orthographic", "fisheye:stereographic"].contains(&name);
+        assert_eq!(outside > 0, is_bounded, "{name}");
+    }
+}
+
 #[test]
 fn backs_are_lit_as_fronts() {
     for shown in [Mode::Flat, Mode::Smooth, Mode::Normals] {

@@ -159,7 +159,9 @@ impl<'s> TileShader<'s> {
         }
         let rows = light.chunks_mut(lattice.columns.max(1) as usize);
         for (row, light) in (0..).zip(rows) {
-            let behind = self.shader.behind_row(lattice.place(0, row).1);
+            let (left, y) = lattice.place(0, row);
+            let (right, _) = lattice.place(lattice.columns.saturating_sub(1), row);
+            let behind = self.shader.behind_between(left, right, y);
             for (column, light) in (0..).zip(light) {
                 let hit = hits.get((row * lattice.columns + column) as usize);
                 let (x, y) = lattice.place(column, row);

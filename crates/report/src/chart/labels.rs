@@ -71,7 +71,7 @@ impl OccupiedAreas {
     pub(super) fn place(&mut self, (width, height): (f64, f64), points: &[Point]) -> (Area, Point) {
         let mut best = (f64::INFINITY, Area::around((0.0, 0.0), 0.0), (0.0, 0.0));
         for (rank, &point) in points.iter().enumerate() {
-            for (center, trouble) in candidates(point, (width, height)) {
+            for (center, penalty) in candidates(point, (width, height)) {
                 let area = Area {
                     low: (center.0 - width * 0.5, center.1 - height * 0.5),
                     high: (center.0 + width * 0.5, center.1 + height * 0.5),
@@ -79,7 +79,7 @@ impl OccupiedAreas {
                 if !self.bounds.holds(&area) {
                     continue;
                 }
-                let cost = self.cost(&area) + trouble + 3.0 * (rank as f64).min(10.0);
+                let cost = self.cost(&area) + penalty + 3.0 * (rank as f64).min(10.0);
                 if cost < best.0 {
                     best = (cost, area, point);
                 }

@@ -184,7 +184,13 @@ pub fn show(section: &mut Section, outcomes: &Outcomes, summaries: &[CasterSumma
     }
     section.table("hard-casters", summary);
     let mut numbers = Table::new(&[
-        "case", "trouble", "caster", "rays", "leaks", "wrong", "ties",
+        "case",
+        "difficulty",
+        "caster",
+        "rays",
+        "leaks",
+        "wrong",
+        "ties",
     ]);
     for (case, casters) in &outcomes.cases {
         for (caster, outcome) in casters {

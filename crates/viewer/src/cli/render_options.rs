@@ -132,7 +132,7 @@ pub fn has_own_projection(scene: &Scene) -> bool {
     objects.any(|object| object.mapping.projection.is_some())
 }
 
-/// A camera as options of `raycast render`, which [`camera_of`] reads. An orthographic frame is written as the field of
+/// A camera as options of `raycast render`, which [`parse_camera_options`] reads. An orthographic frame is written as the field of
 /// view of that height at the target's distance.
 pub fn camera_options(camera: &CameraFile) -> String {
     let CameraFile {
@@ -157,7 +157,7 @@ pub fn camera_options(camera: &CameraFile) -> String {
 
 /// The camera in options of `raycast render`, among any other text. `None` without an eye or a target, or if the camera
 /// is invalid. Defaults: the up direction of [`Placement::towards`], perspective, the projection's field of view.
-pub fn camera_of(text: &str) -> Option<CameraFile> {
+pub fn parse_camera_options(text: &str) -> Option<CameraFile> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let option = |name: &str| {
         let at = words.iter().position(|word| *word == name)?;
@@ -249,7 +249,7 @@ mod tests {
                 projection,
                 frame: 33.0,
             };
-            let read = camera_of(&camera_options(&camera)).expect("a camera");
+            let read = parse_camera_options(&camera_options(&camera)).expect("a camera");
             assert_eq!(
                 (read.placement, read.projection),
                 (camera.placement, projection)
@@ -258,7 +258,7 @@ mod tests {
         }
         let line =
             "raycast render a.obj -o a.png --size 40x30 --step 0.1 --eye 0,0,9 --target 0,0,0";
-        let read = camera_of(line).expect("a camera");
+        let read = parse_camera_options(line).expect("a camera");
         assert!((raycast_core::camera::fov_to_frame(read.frame, 9.0) - 3.0).abs() < 1e-12);
         for text in [
             "",
@@ -267,7 +267,7 @@ mod tests {
             "--eye 1,2,3 --target 1,2,3",
             "--eye a --target b",
         ] {
-            assert_eq!(camera_of(text), None, "{text}");
+            assert_eq!(parse_camera_options(text), None, "{text}");
         }
     }
 

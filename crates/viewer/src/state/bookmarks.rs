@@ -4,7 +4,7 @@ use super::State;
 use super::effect::Effect;
 use super::navigate;
 use super::viewpoint::Viewpoint;
-use crate::cli::{camera_of, camera_options};
+use crate::cli::{camera_options, parse_camera_options};
 
 /// Bookmarks the view.
 pub(super) fn add(state: &mut State) {
@@ -49,7 +49,7 @@ pub(super) fn recall(state: &mut State) {
         Some([file]) => {
             let views = state.preferences.views_of(file).iter();
             views
-                .filter_map(|text| Some(Viewpoint::of(&camera_of(text)?)))
+                .filter_map(|text| Some(Viewpoint::of(&parse_camera_options(text)?)))
                 .collect()
         }
         _ => Vec::new(),
@@ -65,7 +65,7 @@ pub(super) fn copy(state: &mut State) -> Option<Effect> {
 
 /// Goes to the camera that a text describes, if it describes one.
 pub(super) fn paste(state: &mut State, text: &str) {
-    match camera_of(text) {
+    match parse_camera_options(text) {
         Some(camera) => navigate::go(state, Viewpoint::of(&camera)),
         None => state.tell("What is on the clipboard is no camera (--eye X,Y,Z --target X,Y,Z …)"),
     }
