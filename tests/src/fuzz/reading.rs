@@ -59,7 +59,9 @@ pub fn read_mesh(name: &str, bytes: &[u8]) -> Result<Reading, String> {
 pub fn with_windows_lines(bytes: &[u8]) -> Option<Vec<u8>> {
     // In UTF-16 the byte may be half of any other character.
     let is_utf_16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
-    if !bytes.contains(&b'\n') || bytes.contains(&0) || is_utf_16 {
+    // A prepared mesh's signature has line ends, so that a transfer as text is found out.
+    let is_prepared = bytes.starts_with(b"\x89RAYCAST");
+    if !bytes.contains(&b'\n') || bytes.contains(&0) || is_utf_16 || is_prepared {
         return None;
     }
     let mut windows = Vec::with_capacity(bytes.len() + bytes.len() / 8);

@@ -237,7 +237,7 @@ impl EdgeLines {
 
 /// The distance from a line's middle at which it covers nothing of a pixel, and the most that it covers of one.
 #[inline(always)]
-fn reach(width: f64) -> (f64, f64) {
+pub(super) const fn reach(width: f64) -> (f64, f64) {
     (width * 0.5 + 0.5, width.clamp(0.0, 1.0))
 }
 

@@ -219,13 +219,13 @@ impl TileShader<'_> {
         }
         let shader = self.shader();
         let backdrop = shader.backdrop8(rays.pixel_row(row));
-        for (column, (&primitive, pixel)) in (column..).zip(primitives.iter().zip(pixels)) {
+        let (xs, y) = (rays.eight_places(column, row), rays.row(row));
+        let shown = shader.may_overlay(&xs, y);
+        for (lane, (&primitive, pixel)) in primitives.iter().zip(pixels).enumerate() {
             if primitive == MISS {
-                *pixel = if shader.has_overlay() {
-                    let (x, y) = rays.place(column, row);
-                    srgb::encode(shader.behind(x, y))
-                } else {
-                    backdrop
+                *pixel = match shown[lane] {
+                    true => srgb::encode(shader.behind(xs[lane], y)),
+                    false => backdrop,
                 };
             }
         }
@@ -384,7 +384,7 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
             };
             let (left, y) = rays.place(0, row);
             let (right, _) = rays.place(lattice.columns.saturating_sub(1), row);
-            let behind = shader.behind_between(left, right, y);
+            let behind = shader.backdrop_between(left, right, y);
             let backdrop = shader.backdrop8(rays.pixel_row(row));
             let count = pixels.len().max(light.len()) as u32;
             let mut column = 0;
@@ -476,10 +476,13 @@ impl TileShader<'_> {
         hits: &EightHits<'_>,
         light: &mut [[f32; 4]],
     ) {
+        let (xs, y) = (rays.eight_places(column, row), rays.row(row));
+        let shown = self.shader().may_overlay(&xs, y);
         for (lane, light) in light.iter_mut().take(LANES).enumerate() {
-            let (x, y) = rays.place(column + lane as u32, row);
+            let x = xs[lane];
             let hit = hits.get(lane);
             if hit.primitive == MISS {
+                let behind = behind.filter(|_| !shown[lane]);
                 *light = behind.unwrap_or_else(|| self.shader().behind(x, y));
             } else if self.facet(hit.primitive, x).shows_ground && self.shader().needs().ground {
                 *light = self.color(x, y, &hit);

@@ -2,24 +2,20 @@
 
 use super::Ground;
 use super::edges::covered;
+use super::ground_lines::{
+    APART, AXIS_WIDTH, CLOSEST, COARSER, GroundLines, REACH, Seen, WHOLE_LIMIT, from_whole,
+};
 use super::srgb::{self, over};
 use crate::camera::Camera;
 use crate::math;
+use crate::num::simd::LANES;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
-
-/// The distance of the stronger lines, in cells.
-const COARSER: f64 = 10.0;
 
 /// The opacity of each type of line.
 const FINE: f64 = 0.28;
 const COARSE: f64 = 0.55;
 const AXIS: f64 = 0.85;
-
-/// Lines fade where cells are seen this many pixels wide, down to [`CLOSEST`]. With smaller limits dense lines would
-/// become a shimmering grey; with larger ones the grid would end near the viewer.
-const APART: f64 = 12.0;
-const CLOSEST: f64 = 3.0;
 
 /// How much nearer than a pixel's hit the ground must be to be in front, relative to its distance: the hit is in
 /// single precision, after a few roundings of 2⁻²⁴ each. So objects that stand on the ground hide it.
@@ -34,6 +30,8 @@ pub(super) struct GroundGrid {
     cell: f64,
     lines: Vec3,
     axes: [Vec3; 2],
+    /// Which places are close to lines; `None` where that is not known.
+    close: Option<GroundLines>,
 }
 
 /// Where a ray intersects the ground, and the change of that point from pixel to pixel, to the right and down.
@@ -45,7 +43,7 @@ struct Intersection {
 
 impl GroundGrid {
     /// `None` for an empty scene.
-    pub(super) fn new(scene: &Scene, ground: Ground) -> Option<Self> {
+    pub(super) fn new(scene: &Scene, ground: Ground, camera: &Camera) -> Option<Self> {
         let bounds = scene.bounds();
         let size = (bounds.max - bounds.min).max_element();
         let height = match ground {
@@ -58,15 +56,17 @@ impl GroundGrid {
         let size = if size > 0.0 { size } else { 1.0 };
         // log₁₀ of a fifth of the size, rounded down.
         let digits = (math::log2(size / 5.0) / std::f64::consts::LOG2_10).floor();
+        let cell = math::pow(10.0, digits);
         Some(Self {
             height,
-            cell: math::pow(10.0, digits),
+            cell,
+            close: GroundLines::new(camera, height, cell),
             lines: srgb::linear(Ground::LINES),
             axes: [Ground::X_AXIS, Ground::Z_AXIS].map(srgb::linear),
         })
     }
 
-    /// The ground at a place of the picture, over a surface at the distance `t`; infinite for none.
+    /// The ground at a place of the picture of the camera that it was made for, over a surface at the distance `t`; infinite for none.
     pub(super) fn over(
         &self,
         camera: &Camera,
@@ -74,12 +74,39 @@ impl GroundGrid {
         t: f32,
         under: [f32; 4],
     ) -> [f32; 4] {
-        match self.intersection(camera, x, y) {
-            Some(at) if f64::from(t) - at.distance > at.distance * NEARER => {
-                let (coverage, color) = self.line(&at);
-                over(color, coverage as f32, under)
+        let is_nearer = |distance: f64| f64::from(t) - distance > distance * NEARER;
+        let seen = match &self.close {
+            Some(close) => close.seen(x, y),
+            None => Seen::Uncertain,
+        };
+        let (coverage, color) = match seen {
+            Seen::Nowhere => return under,
+            Seen::At {
+                along,
+                places,
+                rates,
+            } => {
+                // The length costs a square root.
+                if t.is_finite() && !is_nearer(along * self.cell * camera.direction(x, y).length())
+                {
+                    return under;
+                }
+                self.line(places, rates)
             }
-            _ => under,
+            Seen::Uncertain => match self.intersection(camera, x, y) {
+                Some(at) if is_nearer(at.distance) => self.line_at(&at),
+                _ => return under,
+            },
+        };
+        over(color, coverage as f32, under)
+    }
+
+    /// For eight places of a row of the picture, whether the ground may show: `false` is certain.
+    #[inline(always)]
+    pub(super) fn may_show(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
+        match &self.close {
+            Some(close) => close.may_cover_eight(xs, y),
+            None => [true; LANES],
         }
     }
 
@@ -128,27 +155,32 @@ impl GroundGrid {
         })
     }
 
-    /// The fraction of the pixel that lines cover, and the colour of the line that covers most.
-    fn line(&self, at: &Intersection) -> (f64, Vec3) {
+    /// [`GroundGrid::line`] at an intersection.
+    fn line_at(&self, at: &Intersection) -> (f64, Vec3) {
+        let rate = |axis: usize| {
+            let [right, down] = at.steps.map(|step| step[axis]);
+            (right * right + down * down).sqrt() / self.cell
+        };
+        let places = [at.point.x, at.point.z].map(|place| place / self.cell);
+        self.line(places, [rate(0), rate(2)])
+    }
+
+    /// The fraction of the pixel that lines cover, and the colour of the line that covers most, at x and z in cells that
+    /// change by these rates from pixel to pixel.
+    fn line(&self, places: [f64; 2], rates: [f64; 2]) -> (f64, Vec3) {
         let mut most = (0.0, self.lines);
         // Lines at constant x run along z, and conversely.
-        for (axis, color) in [(0, self.axes[1]), (2, self.axes[0])] {
-            let place = at.point[axis] / self.cell;
-            let [right, down] = at.steps.map(|step| step[axis].abs());
-            // Every line is at a whole number, and none reaches 2 pixels from its middle: a pixel's way is at most the sum
-            // of those to the right and down.
-            if (place - place.round()).abs() * self.cell > 2.0 * (right + down) {
-                continue;
-            }
-            // Cells a pixel.
-            let rate = math::hypot(at.steps[0][axis], at.steps[1][axis]) / self.cell;
-            if !(rate > 0.0 && rate.is_finite() && place.is_finite()) {
+        for (axis, color) in [(0, self.axes[1]), (1, self.axes[0])] {
+            let (place, rate) = (places[axis], rates[axis]);
+            let is_good = rate > 0.0 && rate.is_finite() && place.abs() < WHOLE_LIMIT;
+            // Every line is at a whole number.
+            if !is_good || from_whole(place).abs() > REACH * rate {
                 continue;
             }
             let line = |cells: f64, width: f64| {
                 let (place, rate) = (place / cells, rate / cells);
                 let fade = ((1.0 / rate - CLOSEST) / (APART - CLOSEST)).clamp(0.0, 1.0);
-                fade * covered((place - place.round()).abs() / rate, width)
+                fade * covered(from_whole(place).abs() / rate, width)
             };
             let is_axis = place.abs() < 0.5;
             let found = [
@@ -156,7 +188,7 @@ impl GroundGrid {
                 (COARSE * line(COARSER, 1.0), self.lines),
                 (
                     if is_axis {
-                        AXIS * line(COARSER * COARSER, 1.5)
+                        AXIS * line(COARSER * COARSER, AXIS_WIDTH)
                     } else {
                         0.0
                     },
@@ -218,7 +250,7 @@ mod tests {
     fn lines_are_where_their_points_are_seen() {
         let mut random = Random(3);
         for (kind, camera) in cameras().into_iter().enumerate() {
-            let ground = GroundGrid::new(&scene(), Ground::Lowest).expect("a ground");
+            let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
             assert_eq!((ground.height, ground.cell), (-0.5, 0.1));
             let mut seen = 0;
             for _ in 0..2000 {
@@ -254,7 +286,7 @@ mod tests {
         };
         let plane = ImagePlane::new(250, 250, 0.004).expect("a good plane");
         let camera = Camera::new(placement, Projection::Orthographic, plane);
-        let ground = GroundGrid::new(&scene(), Ground::At(-0.2)).expect("a ground");
+        let ground = GroundGrid::new(&scene(), Ground::At(-0.2), &camera).expect("a ground");
         let mut sum = 0.0;
         for y in 145..195 {
             for x in 10..110 {
@@ -267,10 +299,61 @@ mod tests {
         assert!((sum / expected - 1.0).abs() < 0.05, "{sum} {expected}");
     }
 
+    /// From near and far, close to the horizon and straight down.
+    #[test]
+    fn no_line_covers_what_is_said_to_be_bare() {
+        let mut random = Random(17);
+        let [mut covered, mut compared, mut bare, mut unknown] = [0; 4];
+        for _ in 0..400 {
+            let far = math::pow(10.0, random.signed() * 7.0);
+            let target = random.point() * math::pow(10.0, random.signed() * 3.0);
+            let target = DVec3::new(target.x, -0.5, target.z);
+            let flat = if random.unit() < 0.5 { 1.0 } else { 0.01 };
+            let toward = random.point() * DVec3::new(1.0, flat, 1.0);
+            let placement = Placement {
+                eye: target + toward * far,
+                target,
+                up: random.point(),
+            };
+            let step = far * 0.003 * math::pow(10.0, random.signed());
+            let plane = ImagePlane::new(600, 400, step).expect("a good plane");
+            let camera = Camera::new(placement, Projection::Perspective, plane);
+            let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
+            let Some(close) = ground.close else {
+                unknown += 1;
+                continue;
+            };
+            for _ in 0..500 {
+                let (x, y) = (random.unit() * 600.0, random.unit() * 400.0);
+                let at = ground.intersection(&camera, x, y);
+                let coverage = at.map_or(0.0, |at| ground.line_at(&at).0);
+                if let Seen::At { places, rates, .. } = close.seen(x, y) {
+                    let coverage_seen = ground.line(places, rates).0;
+                    assert!(
+                        (coverage_seen - coverage).abs() < 1e-3,
+                        "{camera:?} {x} {y}"
+                    );
+                    compared += u32::from(coverage > 0.0);
+                }
+                if close.may_cover_eight(&[x; LANES], y)[0] {
+                    covered += u32::from(coverage > 0.0);
+                } else {
+                    assert_eq!(coverage, 0.0, "{camera:?} {x} {y}");
+                    bare += 1;
+                }
+            }
+        }
+        assert!(compared > 5000, "{compared} of {covered}");
+        assert!(
+            covered > 5000 && bare > 100_000,
+            "{covered} {bare} {unknown}"
+        );
+    }
+
     #[test]
     fn what_is_nearer_or_on_the_ground_hides_it() {
         for camera in cameras() {
-            let ground = GroundGrid::new(&scene(), Ground::Lowest).expect("a ground");
+            let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
             let point = DVec3::new(0.3, -0.5, 0.6);
             let place = camera.project(point).expect("in the picture");
             let distance = ground
@@ -293,12 +376,13 @@ mod tests {
         };
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let camera = Camera::new(placement, projection, plane);
-            let ground = GroundGrid::new(&scene(), Ground::Lowest).expect("a ground");
+            let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
             for place in [(1.5, 1.5), (0.5, 1.5), (1.5, 0.5), (2.5, 2.5)] {
                 assert_eq!(ground.over(&camera, place, f32::INFINITY, CLEAR), CLEAR);
             }
         }
-        assert!(GroundGrid::new(&Scene::default(), Ground::Lowest).is_none());
+        let camera = cameras()[0];
+        assert!(GroundGrid::new(&Scene::default(), Ground::Lowest, &camera).is_none());
     }
 
     #[test]

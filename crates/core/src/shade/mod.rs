@@ -18,6 +18,7 @@ mod eight_texture;
 mod facet;
 mod footprint;
 mod ground;
+mod ground_lines;
 mod hit_rows;
 #[cfg(test)]
 mod interpolant_tests;

@@ -26,7 +26,7 @@ use super::{Background, Filter, Mode, Shading, Wireframe};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Lattice, Projection, Rect};
 use crate::hit::{Cull, MISS, PrimitiveHit};
-use crate::num::simd::{LANES, Lanes, Simd};
+use crate::num::simd::{LANES, Lanes, Simd, Work, dispatch};
 use crate::scene::{Attribute, ClippingPlanes, ColorScale, Masks, Scene, Texture};
 use glam::{DVec3, Mat3, Vec3};
 use needs::{is_colored, needs_of};
@@ -79,7 +79,7 @@ impl<'a> Shader<'a> {
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
         let colored = is_colored(shading.mode);
         let own_colors = OwnColors::new(scene, &camera, &shading, colored);
-        let ground = (shading.ground).and_then(|ground| GroundGrid::new(scene, ground));
+        let ground = (shading.ground).and_then(|ground| GroundGrid::new(scene, ground, &camera));
         let needs = Needs {
             ground: ground.is_some()
                 && !camera.projection().is_parallel()
@@ -165,6 +165,16 @@ impl<'a> Shader<'a> {
     /// Whether lines or the ground may show where nothing is hit.
     pub(super) fn has_overlay(&self) -> bool {
         self.lines.overlay.is_some() || self.ground.is_some()
+    }
+
+    /// For eight places of a row, whether lines or the ground may show where nothing is hit: `false` is certain.
+    #[inline(always)]
+    pub(super) fn may_overlay(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
+        match &self.ground {
+            _ if self.lines.overlay.is_some() => [true; LANES],
+            Some(ground) => ground.may_show(xs, y),
+            None => [false; LANES],
+        }
     }
 
     /// The section that clipping planes make, if any is seen.
@@ -271,14 +281,16 @@ impl<'a> Shader<'a> {
     /// As [`TileShader::shade`](super::TileShader::shade) where no ray hits anything.
     pub fn shade_nothing<'p>(&self, rect: Rect, rows: impl Iterator<Item = &'p mut [[u8; 4]]>) {
         for (y, row) in (rect.y..rect.bottom()).zip(rows) {
-            if self.has_overlay() {
-                for (x, pixel) in (rect.x..).zip(&mut *row) {
-                    let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-                    *pixel = srgb::encode(self.behind(x, y));
-                }
-                continue;
-            }
             row.fill(self.backdrop8(y));
+            if self.has_overlay() {
+                let row = OverlaidRow {
+                    shader: self,
+                    left: rect.x,
+                    y: f64::from(y) + 0.5,
+                    pixels: &mut *row,
+                };
+                dispatch(self.simd(), row);
+            }
             self.clear_beyond(rect.x, y, row);
         }
     }
@@ -410,13 +422,12 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// [`Shader::behind`] at all places of a row between two, where it surely does not depend on x.
-    pub(crate) fn behind_between(&self, left: f64, right: f64, y: f64) -> Option<[f32; 4]> {
-        let is_inside = || {
-            !self.is_panoramic()
-                || self.camera.stereo().is_none() && self.camera.has_all_between(left, right, y)
-        };
-        (!self.has_overlay() && is_inside()).then(|| self.backdrop(y))
+    /// The background in a row between two places, if the frame surely has all between them. It is what lies behind where
+    /// no overlay shows.
+    pub(super) fn backdrop_between(&self, left: f64, right: f64, y: f64) -> Option<[f32; 4]> {
+        let is_inside = !self.is_panoramic()
+            || self.camera.stereo().is_none() && self.camera.has_all_between(left, right, y);
+        is_inside.then(|| self.backdrop(y))
     }
 
     /// The ground's lines, where they are nearer than `t`, over a colour.
@@ -435,6 +446,39 @@ impl<'a> Shader<'a> {
         let (first, rows) = self.camera.own_rows();
         let down = ((y - first) / rows).clamp(0.0, 1.0) as f32;
         opaque(top + (bottom - top) * down)
+    }
+}
+
+/// A row of pixels that hits nothing, over which lines or the ground may show.
+struct OverlaidRow<'s, 'p> {
+    shader: &'s Shader<'s>,
+    /// The first pixel's column.
+    left: u32,
+    y: f64,
+    pixels: &'p mut [[u8; 4]],
+}
+
+impl Work for OverlaidRow<'_, '_> {
+    #[inline(always)]
+    fn run(self, _: impl Lanes) {
+        let Self {
+            shader,
+            left,
+            y,
+            pixels,
+        } = self;
+        for (column, pixels) in (left..).step_by(LANES).zip(pixels.chunks_mut(LANES)) {
+            let mut xs = [0.0; LANES];
+            for (column, x) in (column..).zip(&mut xs) {
+                *x = f64::from(column) + 0.5;
+            }
+            let shown = shader.may_overlay(&xs, y);
+            for (pixel, (x, shown)) in pixels.iter_mut().zip(xs.into_iter().zip(shown)) {
+                if shown {
+                    *pixel = srgb::encode(shader.behind(x, y));
+                }
+            }
+        }
     }
 }
 

@@ -144,7 +144,7 @@ fn what_lies_behind_a_row_lies_behind_each_of_its_places() {
             for (left, right) in [(0, COLUMNS), (15, 25), (3, 11)] {
                 let mut places = (left..right).map(|column| f64::from(column) + 0.75);
                 let ends = (f64::from(left) + 0.75, f64::from(right) - 0.25);
-                match shader.behind_between(ends.0, ends.1, y) {
+                match shader.backdrop_between(ends.0, ends.1, y) {
                     Some(behind) => {
                         assert!(
                             places.all(|x| shader.behind(x, y) == behind),

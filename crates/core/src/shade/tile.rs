@@ -161,7 +161,8 @@ impl<'s> TileShader<'s> {
         for (row, light) in (0..).zip(rows) {
             let (left, y) = lattice.place(0, row);
             let (right, _) = lattice.place(lattice.columns.saturating_sub(1), row);
-            let behind = self.shader.behind_between(left, right, y);
+            let behind = self.shader.backdrop_between(left, right, y);
+            let behind = behind.filter(|_| !self.shader.has_overlay());
             for (column, light) in (0..).zip(light) {
                 let hit = hits.get((row * lattice.columns + column) as usize);
                 let (x, y) = lattice.place(column, row);

@@ -26,6 +26,12 @@ impl TileRays {
         self.lattice.place(column, row)
     }
 
+    /// The x of the places of eight rays of a row.
+    #[inline(always)]
+    pub(super) fn eight_places(&self, column: u32, row: u32) -> [f64; LANES] {
+        std::array::from_fn(|lane| self.lattice.place(column + lane as u32, row).0)
+    }
+
     /// The y of a row's places.
     #[inline(always)]
     pub(super) fn row(&self, row: u32) -> f64 {

@@ -1,0 +1,196 @@
+//! The ground's lines in a perspective picture: how rays meet the ground, as a function of the place alone, and which
+//! pixels no line covers.
+
+use super::edges::reach;
+use crate::camera::{Camera, Projection};
+use crate::num::simd::LANES;
+use glam::DVec3;
+
+/// The distance of the stronger lines, in cells.
+pub(super) const COARSER: f64 = 10.0;
+
+/// The width of axes, the widest lines, in pixels.
+pub(super) const AXIS_WIDTH: f64 = 1.5;
+
+/// Lines fade where cells are seen this many pixels wide, down to [`CLOSEST`]. With smaller limits dense lines would
+/// become a shimmering grey; with larger ones the grid would end near the viewer.
+pub(super) const APART: f64 = 12.0;
+pub(super) const CLOSEST: f64 = 3.0;
+
+/// The squared cells a pixel beyond which lines one cell apart have faded, with a margin for rounding.
+const FADED: f64 = 1.0001 / (CLOSEST * CLOSEST);
+
+/// The most cells that the eye or a place is from the origin where places are compared with lines. So a place is rounded
+/// by less than 2⁻⁵⁰ · 2 · 10⁶, which is 2 · 10⁻⁹ cells.
+const FURTHEST: f64 = 1e6;
+
+/// The squared cells a pixel down to which places are compared with lines: a hundredth of a pixel, 10⁻⁸ cells here, must be
+/// more than a place's rounding.
+const FINEST: f64 = 1e-12;
+
+/// 2⁵¹.
+pub(super) const WHOLE_LIMIT: f64 = (1u64 << 51) as f64;
+
+/// The sum with a number below 2⁵¹ is rounded to a whole number, to the nearest even one at halves.
+const WHOLE: f64 = (3u64 << 51) as f64;
+
+/// A hundredth more than the reach of the widest line, in pixels.
+pub(super) const REACH: f64 = reach(AXIS_WIDTH).0 * 1.01;
+
+/// How far a number below [`WHOLE_LIMIT`] is from the nearest whole one.
+#[inline(always)]
+pub(super) fn from_whole(number: f64) -> f64 {
+    number - ((number + WHOLE) - WHOLE)
+}
+
+/// Where a ray meets the ground.
+struct Meeting {
+    /// λ, in cells.
+    along: f64,
+    /// x and z.
+    places: [f64; 2],
+    /// The squared length of the derivatives of x, and of z, by the place in the picture: cells a pixel.
+    squared: [f64; 2],
+}
+
+/// Where a ray is seen to meet the ground.
+pub(super) enum Seen {
+    /// It does not.
+    Nowhere,
+    /// Errors could be seen.
+    Uncertain,
+    At {
+        /// The distance, in cells, as a multiple of the length of [`Camera::direction`].
+        along: f64,
+        /// x and z, in cells.
+        places: [f64; 2],
+        /// By how much each changes from pixel to pixel.
+        rates: [f64; 2],
+    },
+}
+
+/// The ground as the rays of a perspective picture with one eye meet it. Coordinates are in cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GroundLines {
+    /// The eye's x and z.
+    eye: [f64; 2],
+    /// The ground's height over the eye.
+    height: f64,
+    /// The direction at the picture's top left corner, and its derivatives by x and y in pixels.
+    direction: DVec3,
+    right: DVec3,
+    down: DVec3,
+}
+
+impl GroundLines {
+    /// `None` for another kind of picture, and for eyes too far from the origin.
+    pub(super) fn new(camera: &Camera, height: f64, cell: f64) -> Option<Self> {
+        if camera.projection() != Projection::Perspective || camera.stereo().is_some() {
+            return None;
+        }
+        let eye = camera.placement().eye / cell;
+        if !(eye.x.abs() < FURTHEST && eye.z.abs() < FURTHEST) {
+            return None;
+        }
+        let [right, down] = camera.direction_slopes(0.0, 0.0);
+        Some(Self {
+            eye: [eye.x, eye.z],
+            height: height / cell - eye.y,
+            direction: camera.direction(0.0, 0.0),
+            right,
+            down,
+        })
+    }
+
+    /// The ground where the ray through (x, y) meets it. NaN where nothing is known.
+    ///
+    /// A ray E + λd meets the ground at λ = height / d.y. The derivative of that point by x is (r − d·r.y / d.y)λ with r that
+    /// of d.
+    #[inline(always)]
+    fn meeting(&self, x: f64, y: f64) -> Meeting {
+        let Self {
+            eye,
+            height,
+            direction,
+            right,
+            down,
+        } = *self;
+        let at = |axis: usize| direction[axis] + down[axis] * y + right[axis] * x;
+        let inverse = 1.0 / at(1);
+        let along = height * inverse;
+        let (right_y, down_y) = (right.y * inverse, down.y * inverse);
+        let [mut places, mut squared] = [[0.0; 2]; 2];
+        for number in 0..2 {
+            let axis = 2 * number;
+            let ahead = at(axis);
+            let by_x = (right[axis] - ahead * right_y) * along;
+            let by_y = (down[axis] - ahead * down_y) * along;
+            places[number] = eye[number] + ahead * along;
+            squared[number] = by_x * by_x + by_y * by_y;
+        }
+        Meeting {
+            along,
+            places,
+            squared,
+        }
+    }
+
+    /// Whether a line may cover part of the pixel at (x, y): `false` is certain.
+    #[inline(always)]
+    fn may_cover(&self, x: f64, y: f64) -> bool {
+        let Meeting {
+            along,
+            places,
+            squared,
+        } = self.meeting(x, y);
+        let mut is_close = false;
+        for (place, squared) in places.into_iter().zip(squared) {
+            // The distance of the finest lines that have not faded.
+            let cells = if squared < FADED {
+                1.0
+            } else if squared < FADED * COARSER * COARSER {
+                COARSER
+            } else {
+                COARSER * COARSER
+            };
+            let beside = from_whole(place / cells) * cells;
+            let is_beside = beside * beside > REACH * REACH * squared;
+            let is_faded = squared > FADED * COARSER * COARSER * COARSER * COARSER;
+            let is_known = (squared > FINEST) & (place.abs() < FURTHEST);
+            is_close |= !((is_beside | is_faded) & is_known);
+        }
+        // `along` may be NaN.
+        !(along <= 0.0) & is_close
+    }
+
+    /// How the ray through (x, y) is seen to meet the ground.
+    #[inline]
+    pub(super) fn seen(&self, x: f64, y: f64) -> Seen {
+        let meeting = self.meeting(x, y);
+        if meeting.along <= 0.0 {
+            return Seen::Nowhere;
+        }
+        let is_known = |number: usize| {
+            (meeting.squared[number] > FINEST) & (meeting.places[number].abs() < FURTHEST)
+        };
+        if !(is_known(0) && is_known(1)) {
+            return Seen::Uncertain;
+        }
+        let [x, z] = meeting.squared;
+        Seen::At {
+            along: meeting.along,
+            places: meeting.places,
+            rates: [x.sqrt(), z.sqrt()],
+        }
+    }
+
+    /// [`GroundLines::may_cover`] at eight places of a row.
+    #[inline(always)]
+    pub(super) fn may_cover_eight(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
+        let mut all = [false; LANES];
+        for lane in 0..LANES {
+            all[lane] = self.may_cover(xs[lane], y);
+        }
+        all
+    }
+}
