@@ -178,8 +178,8 @@ impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
         traversal.is_beside = face.is_some();
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
-            traversal.list(lanes, &large);
-            if traversal.list.is_empty() {
+            traversal.find_entry_points(lanes, &large);
+            if traversal.entry_points.is_empty() {
                 continue;
             }
             // Fast casting keeps the packet's answers, which may be right where the single ray in double precision is

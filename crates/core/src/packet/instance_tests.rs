@@ -137,8 +137,11 @@ fn assert_entry_points_have_what_is_seen(accel: &Accel, offset: DVec3) {
             width: plane.columns,
             height: plane.rows,
         };
-        for large in accel.levels(&camera.sub_camera(rect).lattice(), Cull::None) {
-            let listed = large.list.iter().flat_map(|entry| &entry.primitives);
+        for large in accel.record_trace(&camera.sub_camera(rect).lattice(), Cull::None) {
+            let listed = large
+                .entry_points
+                .iter()
+                .flat_map(|entry| &entry.primitives);
             let listed: std::collections::HashSet<_> = listed.collect();
             let seen = large.packets.iter().flat_map(|packet| &packet.seen);
             assert!(seen.into_iter().all(|primitive| listed.contains(primitive)));

@@ -54,13 +54,12 @@ pub(super) const ALL_CELLS: usize = CELLS * CELLS;
 /// The error of a place in double precision, in units of εK·B/D: see above.
 const PLACE_ERROR: f64 = 2048.0;
 
-/// The error of a packet's tangents, 2⁻⁴¹: 1182ε·2.5 is below 2¹²ε. The frusta of packets are enlarged by this. The
-/// frustum's own slack covers its rounding only, which is relative to a packet's width; where the rays are nearly one
-/// that is less.
+/// The error of a packet's tangents, 2⁻⁴¹: 1182ε·2.5 is below 2¹²ε. Packets' frusta are enlarged by it, since their own
+/// slack only covers the rounding of planes.
 pub(super) const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
 
 /// The greatest tangent of the angle between a packet's axis and its rays, to the right or up. Any value below one is
-/// correct. With a greater one cells at the packet's rim see wider than those in its middle, and errors grow with B;
+/// correct. With a greater one the packet's outer cells span wider places than its inner ones, and errors grow with B;
 /// with a lesser one more packets are split.
 const MOST_TANGENT: f64 = 0.75;
 
@@ -78,12 +77,12 @@ const EXTENT: f64 = (SIDE - 1) as f64 - 2.0 * MARGIN;
 /// NaN.
 const FURTHEST: f64 = 1e50;
 
-/// How a rectangle of a panorama's rays can be cast.
+/// How a rectangle of a panorama's rays is cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Span {
     /// It contains no rays.
     Empty,
-    /// Its rays see too wide for one plane.
+    /// Its rays span too wide an angle for one plane: it is split, or its rays are cast one by one.
     Wide,
     /// As one packet.
     Packet,
@@ -181,7 +180,7 @@ impl Places {
     fn find_directions(&mut self, rays: &PanoramaRays, part: Rect) -> bool {
         self.has_ray = [0; SIDE];
         if rays.window(part).is_some() {
-            self.look_through_lens(rays, part);
+            self.find_directions_through_lens(rays, part);
             return true;
         }
         let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
@@ -206,10 +205,10 @@ impl Places {
         true
     }
 
-    /// Directions of rays through a lens where all are well-behaved: each row's from where the three above it lead, as on a
-    /// parabola.
+    /// Directions of rays through a lens that is well-behaved in the whole rectangle. Newton's method starts, for each row,
+    /// from the quadratic extrapolation of the three rows above it.
     #[inline(always)]
-    fn look_through_lens(&mut self, rays: &PanoramaRays, part: Rect) {
+    fn find_directions_through_lens(&mut self, rays: &PanoramaRays, part: Rect) {
         let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
         for first in (0..part.width).step_by(ROW) {
             let mut above = [[[0.0; LANES]; 2]; 3];
@@ -218,7 +217,7 @@ impl Places {
                 let near = match row {
                     0 => None,
                     1 | 2 => rays.eight_through_lens(column, part.y + row, above[0]),
-                    _ => rays.eight_through_lens(column, part.y + row, after(&above)),
+                    _ => rays.eight_through_lens(column, part.y + row, extrapolated(&above)),
                 };
                 let found = match near {
                     Some(found) => found,
@@ -438,9 +437,9 @@ impl PacketSpace {
 
 const ONES: [f64; LANES] = [1.0; LANES];
 
-/// Where three of a row, the last one first, lead to at equal steps.
+/// The quadratic extrapolation of three values at equal steps, the last one first.
 #[inline(always)]
-fn after([a, b, c]: &[[[f64; LANES]; 2]; 3]) -> [[f64; LANES]; 2] {
+fn extrapolated([a, b, c]: &[[[f64; LANES]; 2]; 3]) -> [[f64; LANES]; 2] {
     let mut next = [[0.0; LANES]; 2];
     for axis in 0..2 {
         for lane in 0..LANES {

@@ -28,7 +28,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         }
         let most = TRIANGLES_PER_RAY * large.columns * large.rows;
         let frustum = self.frustum(large);
-        let mut left: Vec<_> = self.list.iter().map(|entry| entry.0).collect();
+        let mut left: Vec<_> = self.entry_points.iter().map(|entry| entry.0).collect();
         let mut triangles = 0u32;
         while let Some(subtree) = left.pop() {
             let node = subtree.node().filter(|_| subtree.count > most / PARTS);

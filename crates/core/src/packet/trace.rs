@@ -1,4 +1,4 @@
-//! A record of casting a lattice, level by level, for pictures and tables.
+//! A record of casting a lattice: per large packet and per packet, what each step kept; for pictures and tables.
 //!
 //! The traversal is that of [`Accel::find`], recorded by an [`Observer`].
 
@@ -25,7 +25,7 @@ pub struct LargeTrace {
     /// Nodes whose children's boxes were tested to find the entry points.
     pub nodes: u64,
     /// Subtrees that its frustum touches, near to far.
-    pub list: Vec<EntryPoint>,
+    pub entry_points: Vec<EntryPoint>,
     /// Its packets, row by row; none where there is no entry point.
     pub packets: Vec<PacketTrace>,
 }
@@ -58,19 +58,19 @@ pub struct PacketTrace {
 impl Accel {
     /// Casts a lattice as [`Accel::find`] does and records each step, large packet by large packet, row by row. Each
     /// triangle seen was set up, or hit by an undecided ray that was cast alone; each triangle set up was reached;
-    /// each one reached lies below an entry point; and no ray hits a triangle that does not.
+    /// each one reached lies below an entry point; and no ray hits a triangle that lies below none.
     ///
     /// The record is the same for every instruction set. Slower than [`Accel::find`].
-    pub fn levels(&self, lattice: &Lattice, cull: Cull) -> Vec<LargeTrace> {
-        let mut levels = Vec::new();
+    pub fn record_trace(&self, lattice: &Lattice, cull: Cull) -> Vec<LargeTrace> {
+        let mut traces = Vec::new();
         RecordTrace {
             accel: self,
             lattice,
             cull,
-            levels: &mut levels,
+            traces: &mut traces,
         }
         .run(Plain);
-        levels
+        traces
     }
 }
 
@@ -94,7 +94,7 @@ struct RecordTrace<'a> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
-    levels: &'a mut Vec<LargeTrace>,
+    traces: &'a mut Vec<LargeTrace>,
 }
 
 impl Work for RecordTrace<'_> {
@@ -104,7 +104,7 @@ impl Work for RecordTrace<'_> {
             accel,
             lattice,
             cull,
-            levels,
+            traces,
         } = self;
         let whole = RayRect::all(lattice);
         let mut primitives = vec![MISS; lattice.len()];
@@ -122,15 +122,15 @@ impl Work for RecordTrace<'_> {
         let mut zbuffer = IntervalZBuffer::new();
         for large in whole.split(LARGE_SIDE) {
             let before = traversal.counts.nodes;
-            traversal.list(lanes, &large);
-            let mut level = LargeTrace {
+            traversal.find_entry_points(lanes, &large);
+            let mut trace = LargeTrace {
                 rays: rays(lattice, &large),
                 nodes: traversal.counts.nodes - before,
-                list: Vec::with_capacity(traversal.list.len()),
+                entry_points: Vec::with_capacity(traversal.entry_points.len()),
                 packets: Vec::new(),
             };
-            for &(subtree, bounds, _) in &traversal.list {
-                level.list.push(EntryPoint {
+            for &(subtree, bounds, _) in &traversal.entry_points {
+                trace.entry_points.push(EntryPoint {
                     bounds: Bounds {
                         min: accel.origin + bounds.min.as_dvec3(),
                         max: accel.origin + bounds.max.as_dvec3(),
@@ -138,15 +138,15 @@ impl Work for RecordTrace<'_> {
                     primitives: accel.primitives_below(subtree),
                 });
             }
-            if !level.list.is_empty() {
+            if !trace.entry_points.is_empty() {
                 for part in large.split(SIDE as u32) {
                     let mut recorder = Recorder::default();
                     let before = traversal.counts.nodes;
                     if traversal.cast(lanes, &part, cull, &mut zbuffer, &mut recorder) {
                         find.keep(&part, &mut zbuffer);
                     }
-                    let seen = places(lattice, &part).map(|at| find.primitives[at]);
-                    level.packets.push(PacketTrace {
+                    let seen = ray_indices(lattice, &part).map(|at| find.primitives[at]);
+                    trace.packets.push(PacketTrace {
                         rays: rays(lattice, &part),
                         nodes: traversal.counts.nodes - before,
                         reached: ascending(recorder.reached),
@@ -155,7 +155,7 @@ impl Work for RecordTrace<'_> {
                     });
                 }
             }
-            levels.push(level);
+            traces.push(trace);
         }
     }
 }
@@ -172,7 +172,7 @@ fn rays(lattice: &Lattice, part: &RayRect) -> Lattice {
 }
 
 /// Indices of a rectangle's rays in the lattice.
-fn places(lattice: &Lattice, part: &RayRect) -> impl Iterator<Item = usize> {
+fn ray_indices(lattice: &Lattice, part: &RayRect) -> impl Iterator<Item = usize> {
     let (part, columns) = (*part, lattice.columns);
     (part.row..part.row + part.rows).flat_map(move |row| {
         (part.column..part.column + part.columns)
@@ -224,35 +224,35 @@ mod tests {
                 for cull in [Cull::None, Cull::Back] {
                     let mut primitives = Vec::new();
                     let counts = accel.find(&lattice, cull, Precision::Exact, &mut primitives);
-                    let levels = accel.levels(&lattice, cull);
-                    let packets = || levels.iter().flat_map(|large| &large.packets);
-                    let nodes = levels.iter().map(|large| large.nodes).sum::<u64>()
-                        + packets().map(|zbuffer| zbuffer.nodes).sum::<u64>();
-                    let set_up = packets().map(|zbuffer| zbuffer.set_up.len()).sum::<usize>();
+                    let traces = accel.record_trace(&lattice, cull);
+                    let packets = || traces.iter().flat_map(|large| &large.packets);
+                    let nodes = traces.iter().map(|large| large.nodes).sum::<u64>()
+                        + packets().map(|packet| packet.nodes).sum::<u64>();
+                    let set_up = packets().map(|packet| packet.set_up.len()).sum::<usize>();
                     assert_eq!(nodes, counts.nodes);
                     assert_eq!(set_up as u64, counts.triangles);
-                    for large in &levels {
+                    for large in &traces {
                         let listed = large
-                            .list
+                            .entry_points
                             .iter()
                             .flat_map(|listed| listed.primitives.clone());
                         let listed = ascending(listed.collect());
                         spared += accel.len() - listed.len();
-                        for zbuffer in &large.packets {
+                        for packet in &large.packets {
                             let part = RayRect {
-                                column: zbuffer.rays.x - lattice.x,
-                                row: zbuffer.rays.y - lattice.y,
-                                columns: zbuffer.rays.columns,
-                                rows: zbuffer.rays.rows,
+                                column: packet.rays.x - lattice.x,
+                                row: packet.rays.y - lattice.y,
+                                columns: packet.rays.columns,
+                                rows: packet.rays.rows,
                             };
-                            let found = places(&lattice, &part).map(|at| primitives[at]);
+                            let found = ray_indices(&lattice, &part).map(|at| primitives[at]);
                             let found = found.filter(|&primitive| primitive != MISS).collect();
-                            assert_eq!(zbuffer.seen, ascending(found));
+                            assert_eq!(packet.seen, ascending(found));
                             // This would fail only where all rays of a cell are undecided.
-                            assert!(holds(&zbuffer.set_up, &zbuffer.seen));
-                            assert!(holds(&zbuffer.reached, &zbuffer.set_up));
-                            assert!(holds(&listed, &zbuffer.reached));
-                            seen += zbuffer.seen.len();
+                            assert!(holds(&packet.set_up, &packet.seen));
+                            assert!(holds(&packet.reached, &packet.set_up));
+                            assert!(holds(&listed, &packet.reached));
+                            seen += packet.seen.len();
                         }
                     }
                 }
@@ -266,8 +266,8 @@ mod tests {
         let accel = waves(12, 1.0, DVec3::ZERO);
         let all = accel.len() as u32;
         for lattice in lattices(1.0, DVec3::ZERO) {
-            for large in accel.levels(&lattice, Cull::None) {
-                for listed in &large.list {
+            for large in accel.record_trace(&lattice, Cull::None) {
+                for listed in &large.entry_points {
                     for &primitive in &listed.primitives {
                         for corner in accel.corners(primitive) {
                             let corner = corner.as_dvec3();
@@ -277,7 +277,7 @@ mod tests {
                     }
                 }
                 let listed = large
-                    .list
+                    .entry_points
                     .iter()
                     .flat_map(|listed| listed.primitives.clone());
                 let listed = ascending(listed.collect());
@@ -304,9 +304,9 @@ mod tests {
                     }
                     let side = SIDE as u32;
                     let at = row / side * columns.div_ceil(side) + column / side;
-                    let zbuffer = &large.packets[at as usize];
-                    assert!(holds(&zbuffer.reached, &[nearest.primitive]));
-                    assert!(holds(&zbuffer.seen, &[nearest.primitive]));
+                    let packet = &large.packets[at as usize];
+                    assert!(holds(&packet.reached, &[nearest.primitive]));
+                    assert!(holds(&packet.seen, &[nearest.primitive]));
                 }
             }
         }
@@ -316,9 +316,9 @@ mod tests {
     fn an_empty_scene_has_no_entry_points() {
         let accel = waves(0, 1.0, DVec3::ZERO);
         for lattice in lattices(1.0, DVec3::ZERO).take(1) {
-            for large in accel.levels(&lattice, Cull::None) {
+            for large in accel.record_trace(&lattice, Cull::None) {
                 assert_eq!(
-                    (large.nodes, large.list.len(), large.packets.len()),
+                    (large.nodes, large.entry_points.len(), large.packets.len()),
                     (0, 0, 0)
                 );
             }

@@ -105,7 +105,7 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     /// The large packet's entry points in pairs, near to far.
     pairs: Vec<EntryPair>,
     /// The entry points one by one: subtree, box, and the nearest depth along the view axis.
-    pub(super) list: Vec<(Subtree, Box32, f32)>,
+    pub(super) entry_points: Vec<(Subtree, Box32, f32)>,
     next: Vec<(Subtree, Box32, f32)>,
     /// Primitive indices of the leaves reached.
     batch: Batch,
@@ -137,7 +137,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             eye,
             eye_error,
             pairs: Vec::new(),
-            list: Vec::new(),
+            entry_points: Vec::new(),
             next: Vec::new(),
             batch: Batch::default(),
             cut: 0,

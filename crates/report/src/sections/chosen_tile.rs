@@ -55,7 +55,7 @@ pub(super) fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
         half / (1.0 + 4.0 * off * off)
     };
     let large = accel
-        .levels(&lattice, Cull::None)
+        .record_trace(&lattice, Cull::None)
         .into_iter()
         .max_by(|a, b| {
             let worth = |large: &LargeTrace| worth(&large.rays) * place(&large.rays);

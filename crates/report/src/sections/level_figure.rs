@@ -68,7 +68,7 @@ impl<'a> LevelFigure<'a> {
 
         let listed: HashSet<u32> = chosen
             .large
-            .list
+            .entry_points
             .iter()
             .flat_map(|l| l.primitives.clone())
             .collect();
@@ -91,7 +91,7 @@ impl<'a> LevelFigure<'a> {
             )
         };
         let triangles: Vec<_> = (0..accel.len() as u32).map(triangle).collect();
-        let boxes = chosen.large.list.iter().map(|listed| Bounds {
+        let boxes = chosen.large.entry_points.iter().map(|listed| Bounds {
             min: unit(listed.bounds.min),
             max: unit(listed.bounds.max),
         });
@@ -329,7 +329,10 @@ impl<'a> LevelFigure<'a> {
             (format!("a packet, {}", size(&packet.rays)), 2.6, PACKET_INK),
             (format!("a cell, {}", size(cell)), 1.8, CELL_INK),
             (
-                format!("{} subtrees that the tile touches", large.list.len()),
+                format!(
+                    "{} subtrees that the tile touches",
+                    large.entry_points.len()
+                ),
                 1.6,
                 BOX_INK,
             ),

@@ -45,7 +45,7 @@ fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
     let count = |count: usize| Cell::from(count as u64);
     let rays = |rays: &Lattice| count(rays.len());
     let listed: usize = large
-        .list
+        .entry_points
         .iter()
         .map(|listed| listed.primitives.len())
         .sum();
@@ -72,7 +72,7 @@ fn numbers(accel: &Accel, chosen: &Chosen) -> Table {
         "the tile".into(),
         rays(&large.rays),
         large.nodes.into(),
-        count(large.list.len()),
+        count(large.entry_points.len()),
         count(listed),
         count(distinct(packets().map(|packet| &packet.set_up))),
         count(chosen.seen),

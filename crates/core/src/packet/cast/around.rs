@@ -46,11 +46,11 @@ impl Work for FindAround<'_> {
         for large in faces.into_iter().flat_map(|face| face.split(LARGE_SIDE)) {
             let window = window(&rays, &large);
             let may_hit = match &window {
-                Some(window) => traversal.list_through(lanes, &plane, window),
+                Some(window) => traversal.find_entry_points_through(lanes, &plane, window),
                 None => {
                     let cone = rays.cone(large.rect());
                     let in_world = |(axis, tangent)| (in_world(axis).normalize_or_zero(), tangent);
-                    traversal.list_around(lanes, cone.map(in_world))
+                    traversal.find_entry_points_around(lanes, cone.map(in_world))
                 }
             };
             if !may_hit {

@@ -36,25 +36,26 @@ pub(super) struct EntryPair {
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
     /// Finds the entry points of a large packet.
     #[inline(always)]
-    pub(in crate::packet) fn list(&mut self, lanes: impl Lanes, large: &RayRect) {
+    pub(in crate::packet) fn find_entry_points(&mut self, lanes: impl Lanes, large: &RayRect) {
         let frustum = self.frustum(large);
         let camera = &self.lattice.camera;
-        self.list_in(lanes, &frustum, camera);
+        self.find_entry_points_in(lanes, &frustum, camera);
     }
 
     /// Finds the entry points of a frustum of a camera.
     #[inline(always)]
-    fn list_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
+    fn find_entry_points_in(&mut self, lanes: impl Lanes, frustum: &Frustum, camera: &Camera) {
         let tree = &self.accel.tree;
-        self.list.clear();
+        self.entry_points.clear();
         self.pairs.clear();
         let Some(root) = tree.root else { return };
-        self.list.push((root, tree.bounds, f32::NEG_INFINITY));
+        self.entry_points
+            .push((root, tree.bounds, f32::NEG_INFINITY));
         let mut deepened = true;
-        while deepened && self.list.len() < MAX_ENTRY_POINTS {
+        while deepened && self.entry_points.len() < MAX_ENTRY_POINTS {
             deepened = false;
             self.next.clear();
-            for &(subtree, bounds, near) in &self.list {
+            for &(subtree, bounds, near) in &self.entry_points {
                 let Some(index) = subtree.node() else {
                     self.next.push((subtree, bounds, near));
                     continue;
@@ -70,15 +71,16 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                     }
                 }
             }
-            std::mem::swap(&mut self.list, &mut self.next);
+            std::mem::swap(&mut self.entry_points, &mut self.next);
         }
         // Fast casting uses no reference: it leaves undecided orders to rounding.
         if self.decisions.are_exact() {
-            let boxes = self.list.iter().map(|entry| entry.1);
+            let boxes = self.entry_points.iter().map(|entry| entry.1);
             self.reference = DepthReference::of(boxes, camera, self.eye);
         }
-        self.list.sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
-        for pair in self.list.chunks(2) {
+        self.entry_points
+            .sort_unstable_by(|a, b| a.2.total_cmp(&b.2));
+        for pair in self.entry_points.chunks(2) {
             let (subtree, first, near) = pair[0];
             let (second, beside) = pair.get(1).map_or(NOTHING, |second| (second.1, second.0));
             self.pairs.push(EntryPair {
@@ -92,21 +94,21 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
     /// Finds the entry points of a large packet whose packets share a view, from the rays through a window of it.
     /// Returns whether there are any.
     #[inline(always)]
-    pub(in crate::packet) fn list_through(
+    pub(in crate::packet) fn find_entry_points_through(
         &mut self,
         lanes: impl Lanes,
         view: &Camera,
         window: &Window,
     ) -> bool {
         let frustum = Frustum::new(self.seen_from(view), window);
-        self.list_in(lanes, &frustum, view);
-        !self.list.is_empty()
+        self.find_entry_points_in(lanes, &frustum, view);
+        !self.entry_points.is_empty()
     }
 
     /// Finds the entry points of a large packet of a panorama that looks along an axis in world space, within a cone
     /// of this tangent; without a known cone, the whole tree. Returns whether there are any.
     #[inline(always)]
-    pub(in crate::packet) fn list_around(
+    pub(in crate::packet) fn find_entry_points_around(
         &mut self,
         lanes: impl Lanes,
         cone: Option<(DVec3, f64)>,
@@ -120,11 +122,12 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 along: (-tangent, tangent),
             };
             let frustum = Frustum::new(self.seen_from(&view), &window);
-            self.list_in(lanes, &frustum, &view);
+            self.find_entry_points_in(lanes, &frustum, &view);
         } else {
-            self.list.clear();
+            self.entry_points.clear();
             self.pairs.clear();
-            self.list.push((root, tree.bounds, f32::NEG_INFINITY));
+            self.entry_points
+                .push((root, tree.bounds, f32::NEG_INFINITY));
             self.pairs.push(EntryPair {
                 boxes: BoxPair::of([tree.bounds, NOTHING.0]),
                 subtrees: [root, NOTHING.1],
@@ -135,6 +138,6 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         for pair in &mut self.pairs {
             pair.near = f32::NEG_INFINITY;
         }
-        !self.list.is_empty()
+        !self.entry_points.is_empty()
     }
 }

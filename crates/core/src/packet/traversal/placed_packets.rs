@@ -54,7 +54,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         zbuffer: &mut IntervalZBuffer,
     ) -> bool {
         if self.decisions.are_exact() {
-            let boxes = self.list.iter().map(|entry| entry.1);
+            let boxes = self.entry_points.iter().map(|entry| entry.1);
             self.reference = DepthReference::of(boxes, &places.view, self.eye);
         }
         let from = self.seen_from(&places.view);
