@@ -14,10 +14,10 @@ const BOXES_A_SAMPLE: usize = 64;
 
 /// How often each box of a sample may be looked at. Meshes need 3 to 4 times, as a round leaves some seven in ten
 /// clusters.
-const LOOKS: usize = 8;
+const SAMPLE_SEARCHES: usize = 8;
 
 /// How often, on average, clustering may look at each box. At this it takes fifty times as long as usual.
-const MOST_LOOKS: usize = 200;
+const MOST_SEARCHES: usize = 200;
 
 /// Rounds that look for the nearest cluster among direct neighbours alone.
 pub(super) const SHORT_ROUNDS: usize = 2;
@@ -42,7 +42,7 @@ pub(super) fn are_many(boxes: &[Aabb]) -> bool {
         .map(|index| boxes[index * stride + elsewhere(index)])
         .collect();
     // Rounds that join few clusters are as many more as there are more boxes, and as much longer.
-    let most = sample.len() * (LOOKS + MOST_LOOKS / stride);
+    let most = sample.len() * (SAMPLE_SEARCHES + MOST_SEARCHES / stride);
     !ends(&sample, most)
 }
 
@@ -58,12 +58,12 @@ fn ends(boxes: &[Aabb], most: usize) -> bool {
     let mut clusters: Vec<Aabb> = (order.order().iter())
         .map(|&index| boxes[index as usize])
         .collect();
-    let mut looks = 0;
+    let mut searches = 0;
     let mut round = 0;
     let mut nearest = Vec::new();
     while clusters.len() > 1 {
-        looks += clusters.len();
-        if looks > most {
+        searches += clusters.len();
+        if searches > most {
             return false;
         }
         let distance = if round < SHORT_ROUNDS { 1 } else { DISTANCE };

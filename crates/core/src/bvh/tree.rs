@@ -59,7 +59,7 @@ impl Subtree {
 
     /// The same triangles as a leaf.
     #[inline(always)]
-    pub(crate) fn whole(self) -> Self {
+    pub(crate) fn as_leaf(self) -> Self {
         Self { node: LEAF, ..self }
     }
 

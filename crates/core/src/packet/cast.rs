@@ -157,7 +157,8 @@ impl Find<'_> {
 struct FindOnPlane<'f, 'a, const INSTANCES: bool> {
     find: &'f mut Find<'a>,
     part: RayRect,
-    /// A perspective camera whose rays these are but for rounding, where the lattice's is no plane.
+    /// The camera of a cube's face, whose rays differ from the lattice's by rounding; `None` where the lattice's own
+    /// camera has a plane.
     face: Option<Camera>,
 }
 
@@ -243,7 +244,8 @@ impl Find<'_> {
         }
     }
 
-    /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals.
+    /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals; without
+    /// rivals it traverses the tree.
     fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
@@ -257,8 +259,8 @@ impl Find<'_> {
                 }
                 nearest
             }
-            // In double precision, which fast casting trusts, the ray may hit a triangle that it exactly misses and
-            // that is therefore no rival: it traverses the tree.
+            // Fast casting trusts double precision, in which the ray may hit a triangle that it exactly misses and that
+            // is no rival: it traverses the tree too.
             _ => single::nearest(self.accel, self.clip, &ray),
         };
         let primitive = nearest.primitive;

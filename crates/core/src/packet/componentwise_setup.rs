@@ -14,8 +14,8 @@
 //! * **Cross products.** P is off by ε|P| and by η, the origin's own error, which is the same for all corners; a
 //!   difference of corners u = Q − P, taken from the stored ones, by ε|u| alone. P×Q is P×u and Q×u too, and each
 //!   component is that of the three whose bound is least: off by 4ε of |P|×|Q|, |P|×|u| or |Q|×|u|, and by the
-//!   origin's error times the sum of the two components of |u|, with second orders 1.01η. Its product with a vector is
-//!   rounded eight times more at most (below), by ε each of what is no more than these: 12ε bounds both.
+//!   origin's error times the sum of the two components of |u|, with second orders 1.01η. A product with a vector rounds
+//!   at most eight times more (below), each time by ε of no more than these magnitudes: 12ε bounds both.
 //! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three
 //!   roundings for a product and a sum of three, two for moving to another place, and three for its scale and its
 //!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of

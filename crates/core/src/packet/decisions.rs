@@ -79,7 +79,7 @@ impl<'a> Decisions<'a> {
         is_one_plane.then(|| if id(a) < id(b) { a } else { b })
     }
 
-    /// Begins a packet.
+    /// Begins a packet: triangles are ordered along its rays.
     pub(super) fn set_rays(&mut self, space: &PacketSpace) {
         self.plane_orders.set_rays(space);
     }

@@ -34,8 +34,9 @@ impl Window {
 
 /// Eight planes with normals that point inwards.
 ///
-/// A plane's value at a box is the maximum over the box of N·p + c, rounded. c includes slack, so that the value
-/// is never below the true maximum: a negative value proves the box outside.
+/// A plane's value at a box is the maximum over the box of N·p + c, at the corner furthest along N (Greene, "Detecting
+/// Intersection of a Rectangular Solid and a Convex Polyhedron", Graphics Gems IV, 1994). c includes slack for
+/// rounding, so that the value is never below the true maximum: a negative value proves the box outside.
 #[derive(Clone, Debug)]
 struct Planes {
     /// Positive parts of the normals by axis; they multiply a box's greatest corner.
@@ -71,8 +72,8 @@ impl Planes {
         for (lane, (normal, shift)) in planes.into_iter().enumerate() {
             let at = from.eye + shift;
             let offset = -normal.dot(at);
-            // Six products, six sums, and the rounding of normal and offset, each at most 2^-24 of the sum of
-            // magnitudes: below 16 units, doubled. The eye's own error, doubled for rounding, is added.
+            // With u = 2⁻²⁴: six products, six sums, and the rounding of normal and offset, each at most u of the sum of
+            // magnitudes: below 16u, doubled. The eye's own error, doubled for rounding, is added.
             let magnitude = normal.abs().dot(reach) + normal.abs().dot(at.abs());
             let slack = magnitude * (32.0 / (1 << 24) as f64)
                 + normal.abs().element_sum() * 2.0 * from.eye_error;

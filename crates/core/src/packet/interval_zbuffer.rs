@@ -41,7 +41,7 @@ const UNDECIDED: u32 = MISS - 1;
 /// For each ray, in row order, the nearest triangle so far.
 ///
 /// The order of fields and the alignment make eight rays that are read together lie in one cache line. With half of
-/// them in two lines visibility took 4 to 7 % longer.
+/// them in two lines casting took 4 to 7 % longer.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct IntervalZBuffer {

@@ -14,12 +14,12 @@
 //!    inverse depth, with bounds on their errors (Pineda 1988; Olano and Greer 1997). Where the bounds decide
 //!    little, `componentwise_setup` repeats the set-up with tighter bounds. For scenes that are thin compared with
 //!    their distance, depths are relative to a `depth_reference`.
-//! 5. `interval_zbuffer`: triangles are rasterised into an interval of depth a ray, in single precision.
-//!    A ray that the intervals do not decide is marked undecided and its rivals are recorded; `cast` lets a single
-//!    ray decide between them. Decisions that hold for all rays are made once (`decisions`).
+//! 5. `interval_zbuffer`: triangles are rasterised into one interval of depth per ray, in single precision.
+//!    A ray that bounds leave undecided is marked so and its rivals are recorded; `cast` tests it against these as
+//!    a single ray. Decisions that hold for all rays are made once (`decisions`).
 //!
-//! Where intervals overlap, the plane of one triangle and the corners of the other order the two for eight rays or a
-//! whole cell (`plane_order`); only rays for which that is not sure either are left undecided.
+//! Before that, the plane of one triangle and the corners of the other order the two for eight rays or a whole cell
+//! (`plane_order`); only rays for which that is not sure either are left undecided.
 //!
 //! With clipping planes, boxes and triangles that the planes remove are skipped on the way, and triangles that they
 //! cut get an additional edge (`interval_zbuffer::cut_triangles`).
@@ -28,8 +28,8 @@
 //! own, perpendicular to its mean direction, on which its rays lie at irregular `places`. Triangles are set up as for
 //! a perspective packet, and their functions are evaluated at those places (`setup::place_bounds`,
 //! `traversal::placed_packets`, `interval_zbuffer::at_places`). A packet that sees too wide for a plane is split.
-//! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds have room for what the picture's own
-//! rays are beside that lattice's.
+//! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds include how far the picture's
+//! own rays are from that lattice's.
 //!
 //! `observer` and `trace` record the traversal for pictures and tables. *Invariant*: no decision is final unless a
 //! derived bound proves it, so the answers are those of exact arithmetic.

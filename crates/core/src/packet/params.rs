@@ -14,6 +14,7 @@ pub(crate) const ROW: usize = 8;
 /// Cells along the side of a packet.
 pub(crate) const CELLS: usize = SIDE / ROW;
 
-/// The largest bounds, in columns or rows, of a small triangle, which is tested ray by ray without set-up: at most 5
-/// rays in each direction.
+/// The largest bounds, in columns or rows, of a small triangle, which is tested ray by ray without set-up. With the
+/// margin of an eighth on each side they hold at most 5 rays in each direction, as many as `SmallCoverage` has room
+/// for; with a smaller limit more triangles are set up.
 pub(crate) const SMALL_SIDE: f32 = 4.75;

@@ -59,8 +59,8 @@ const PLACE_ERROR: f64 = 2048.0;
 pub(super) const TANGENT_ERROR: f64 = 1.0 / (1u64 << 41) as f64;
 
 /// The greatest tangent of the angle between a packet's axis and its rays, to the right or up. Any value below one is
-/// correct. With a greater one the packet's outer cells span wider places than its inner ones, and errors grow with B;
-/// with a lesser one more packets are split.
+/// correct. With a greater one the packet's outer cells are wider on the plane than its inner ones, and errors grow with
+/// B; with a lesser one more packets are split.
 const MOST_TANGENT: f64 = 0.75;
 
 /// Places lie at least this far from the first and the last column and row that functions are evaluated for, so that

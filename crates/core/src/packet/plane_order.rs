@@ -8,16 +8,17 @@
 //!
 //! is positive where the first triangle is hit before the second, and negative where it is hit after. F is linear in i
 //! and j. So triangles that lie closer together than single precision distinguishes are ordered eight rays at once, or
-//! a cell at once, where depth intervals would leave each ray to be decided on its own.
+//! a cell at once, where depth intervals would leave each ray to be decided on its own. Where all sₖ have one sign this
+//! is the plane test of Newell, Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972.
 //!
 //! # Error bound
 //! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
 //! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
 //! extent of cells, are in single precision: F moves by its slope times [`PLACE_ERROR`].
 //!
-//! Next to the eye, planes that are far apart compared with their distance from it may still be closer than sₖ in double
-//! precision are to the truth; then the sₖ are computed in double-double arithmetic. And where coordinates differ by many
-//! magnitudes, δ by the greatest of them is more than the Eₖ; then each has a componentwise bound of its own
+//! Next to the eye, planes may be closer together than the errors of sₖ in double precision, although far apart compared
+//! with their distance from the eye; then the sₖ are computed in double-double arithmetic. And where coordinates differ by
+//! many magnitudes, δ, proportional to the greatest, exceeds the Eₖ; then each has a componentwise bound of its own
 //! ([`PacketSpace::edges_componentwise`]).
 
 use super::params::{CELLS, ROW};

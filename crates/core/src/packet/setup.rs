@@ -25,7 +25,7 @@
 //!   or |Y| and Z the greatest |Z| (orthographic: 2A·s + Z).
 //! * **Edge functions.** With W the greatest third coordinate (Z, or 1 and exact), m = P×Q is off by
 //!   2KδW + 2Aδ + 4εAW in its first two components and by 4KδA + 4εA² in the third. Moving to a place in the
-//!   packet rounds twice more. At places up to h: E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for
+//!   packet rounds twice more. At places up to h ([`REACH`]): E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for
 //!   4(K + h), since W is exact.
 //! * **Rays.** A ray's direction is rounded on its way to unit length by 8εB a component, which T makes
 //!   14εK·B/D, and its place on the plane by εK: below 32εK·B/D columns or rows, so edge functions and n are off
@@ -107,8 +107,8 @@ pub(crate) struct TriangleSetup {
     pub(crate) boxes: [RayBox; LANES],
     /// Edge-on or ill-conditioned: it is undecided which side faces the eye.
     pub(crate) ill_conditioned: [bool; LANES],
-    /// Where the errors of double precision are no less than those of single precision, so that componentwise bounds
-    /// decide more.
+    /// Where componentwise bounds decide more: errors of double precision exceed 1.5 times those of single precision,
+    /// or edge functions are [`UNBALANCED`].
     pub(crate) is_rough: [bool; LANES],
 }
 
@@ -206,6 +206,8 @@ impl PacketSpace {
                 & (key_error < f64::from(f32::MAX))
                 & (spread < f64::from(f32::MAX));
             out.ill_conditioned[l] = !(clear & sound);
+            // 2.5: errors of double precision up to 1.5 times those of single precision. With a lower limit triangles
+            // are set up twice that componentwise bounds hardly improve; with a higher one more rays stay undecided.
             let smooth = (edge_error < 2.5 * LINEAR_ERROR)
                 & (key_error < 2.5 * LINEAR_ERROR * spread)
                 & (least > UNBALANCED * magnitude);

@@ -37,11 +37,12 @@ const UNIT: f32 = 1.0 / (1 << 24) as f32;
 /// would be set up that no ray hits.
 const SLIVER: f32 = 2.0;
 
-/// The fewest slivers among eight for which spans are computed, always for all eight together: for fewer it takes
-/// longer than setting up those that it would cull.
+/// The fewest slivers among eight for which spans are computed, always for all eight together. With a smaller number it
+/// takes longer than setting up those that it would cull; with a larger one slivers are set up that no ray hits.
 const SEVERAL: u32 = 3;
 
-/// The slack at either end of a span, in columns.
+/// The slack at either end of a span, in columns. It must exceed the 384u by which dividing moves a column (above);
+/// with more, spans keep columns beside them.
 const SLACK: f32 = 1.0 / 1024.0;
 
 /// The bounds of the rays that may hit eight triangles, both ends included.

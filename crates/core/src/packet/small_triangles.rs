@@ -17,7 +17,7 @@ const DEPTH_KEY_ERROR: f32 = 6.0;
 /// The most columns, and rows, of rays in the bounds of a small triangle.
 const SMALL_COLUMNS: usize = 5;
 
-/// The number of rows of rays that the 24 bits of a single-precision number can hold.
+/// The number of rows of rays that one single-precision number holds: the greater half of five, in 15 of its 24 bits.
 const ROWS: usize = 3;
 
 /// Adding a smaller integer to this puts the integer in the low bits of the mantissa.

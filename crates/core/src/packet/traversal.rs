@@ -37,8 +37,9 @@ use std::ops::Range;
 /// triangles; with a smaller one set-up runs with empty lanes.
 const MANY_RAYS: i32 = 32;
 
-/// The number of nodes with a possibly occluded child after which the cells' frusta are built. Building them costs as
-/// much as testing about so many nodes.
+/// The number of nodes with a possibly occluded child after which the cells' frusta are built, which costs as much as
+/// testing about so many nodes. With fewer, packets that are nearly done build them in vain; with more, packets visit
+/// boxes that are occluded cell by cell.
 const DOUBTFUL: usize = 8;
 
 /// The number of nodes to prefetch for a subtree. Nodes are stored depth first, so a subtree's first nodes are
@@ -98,7 +99,7 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     pub(super) accel: &'a Accel,
     clip: &'a Clip,
     lattice: &'a Lattice,
-    /// Whether rays lie beside the lattice's, by [`PLACE_ERROR`] and [`TANGENT_ERROR`] at most: those of a cube's face.
+    /// Whether the rays are those of a cube's face, which differ from the lattice's by up to [`TANGENT_ERROR`].
     pub(super) is_beside: bool,
     eye: DVec3,
     eye_error: f64,
@@ -317,7 +318,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 a_hit &= !self.removes(boxes, 0);
                 b_hit &= !self.removes(boxes, 1);
             }
-            // Boxes beyond hi-z of some cells may touch no other cells.
+            // A box beyond hi-z of some cells is occluded if it touches only those.
             if a_hit & (near_a > limits.nearest_cell) | b_hit & (near_b > limits.nearest_cell) {
                 descent.doubtful += 1;
                 if descent.doubtful > DOUBTFUL {
@@ -332,8 +333,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 }
             }
             let [a, b] = children;
-            let a = descent.small.whole(boxes, 0, near_a, a);
-            let b = descent.small.whole(boxes, 1, near_b, b);
+            let a = descent.small.leaf_if_small(boxes, 0, near_a, a);
+            let b = descent.small.leaf_if_small(boxes, 1, near_b, b);
             descent.push([(a, near_a, a_hit), (b, near_b, b_hit)]);
             self.prefetch(lanes, a, a_hit);
             self.prefetch(lanes, b, b_hit);

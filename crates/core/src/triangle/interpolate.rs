@@ -52,7 +52,7 @@ fn replace_from<N: Copy>(mine: &mut [N; LANES], first: usize, others: &[N; LANES
 /// The image-plane places of eight neighbouring rays: for each column the very number that [`Lattice::place`] gives,
 /// and not the first ray's rounded place plus a multiple of the stride.
 #[derive(Clone, Copy)]
-pub(crate) struct Places {
+pub(crate) struct RowPlaces {
     /// The first ray's column in the picture, an integer.
     first: f64,
     stride: f64,
@@ -60,7 +60,7 @@ pub(crate) struct Places {
     y: f64,
 }
 
-impl Places {
+impl RowPlaces {
     const NONE: Self = Self {
         first: 0.0,
         stride: 0.0,
@@ -103,7 +103,7 @@ impl Places {
 pub(crate) fn interpolate_row(
     camera: &Camera,
     frame: DVec3,
-    places: Places,
+    places: RowPlaces,
     corners: &Corners,
 ) -> RowHits {
     let (x, y) = places.get(0);
@@ -130,7 +130,7 @@ pub(crate) fn interpolate_around(
     corners: &Corners,
 ) -> RowHits {
     let [x, y, z] = directions.map(|all| all[lane % LANES]);
-    let rays = (Places::NONE, directions);
+    let rays = (RowPlaces::NONE, directions);
     match major_axis(x, y, z) {
         0 => interpolate::<0, AROUND>(camera, frame, rays, corners),
         1 => interpolate::<1, AROUND>(camera, frame, rays, corners),
@@ -152,7 +152,7 @@ const AROUND: u8 = 2;
 fn interpolate<const MAJOR: usize, const RAYS: u8>(
     camera: &Camera,
     frame: DVec3,
-    (places, directions): (Places, &Vectors),
+    (places, directions): (RowPlaces, &Vectors),
     corners: &Corners,
 ) -> RowHits {
     let [kx, ky, kz] = const { axes(MAJOR) };
@@ -242,7 +242,7 @@ mod tests {
                 // Not multiples of 1/256: those are sums without rounding, in whatever order they are added.
                 let offset = |base: u32| (f64::from(sample) + 0.5) / f64::from(base);
                 lattice.offset = (offset(257), offset(259));
-                let places = Places::new(&lattice, 2, 1);
+                let places = RowPlaces::new(&lattice, 2, 1);
                 for lane in 0..LANES {
                     let expected = lattice.place(2 + lane as u32, 1);
                     assert_eq!(places.get(lane), expected, "{stride} {sample} {lane}");

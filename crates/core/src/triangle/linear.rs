@@ -216,7 +216,7 @@ impl LinearHit {
 #[cfg(test)]
 mod tests {
     use super::super::PreparedRay;
-    use super::super::interpolate::Places;
+    use super::super::interpolate::RowPlaces;
     use super::super::row_tests::{SCENES, triangle_and_rays};
     use super::*;
     use crate::hit::{Cull, Precision};
@@ -246,7 +246,7 @@ mod tests {
             change(&mut hit);
             for row in 0..lattice.rows {
                 let (_, y) = lattice.place(0, row);
-                let across = Places::new(&lattice, 0, row).across(&lattice.camera);
+                let across = RowPlaces::new(&lattice, 0, row).across(&lattice.camera);
                 let pencil_row = pencil.row(lattice.camera.across_and_along(0.0, y).1);
                 let found = hit.interpolate::<true, true>(&pencil_row, &across);
                 for column in 0..LANES {

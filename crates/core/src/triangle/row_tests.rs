@@ -2,7 +2,7 @@
 //! point that corners are relative to.
 
 use super::PreparedRay;
-use super::interpolate::{LANES, Places, interpolate_row};
+use super::interpolate::{LANES, RowPlaces, interpolate_row};
 use crate::camera::{Camera, ImagePlane, Lattice, Placement, Projection};
 use crate::hit::{Cull, Precision};
 use crate::random::Random;
@@ -59,7 +59,7 @@ fn sure_lanes_have_the_bits_of_the_single_ray() {
             let [a, b, c] = corners;
             let all = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z].map(|x| [x; LANES]);
             for row in 0..lattice.rows {
-                let places = Places::new(&lattice, 0, row);
+                let places = RowPlaces::new(&lattice, 0, row);
                 let found = interpolate_row(&lattice.camera, scene.0, places, &all);
                 for column in 0..LANES {
                     if !found.sure[column] {

@@ -7,7 +7,7 @@ use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::triangle::PreparedRay;
 use crate::triangle::interpolate::{
-    Corners, LANES, Places, RowHits, interpolate_around, interpolate_row,
+    Corners, LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
@@ -201,7 +201,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             let (camera, frame) = (&self.lattice.camera, self.accel.origin);
             interpolate_around(camera, frame, (&directions, first), &corners)
         } else {
-            let places = Places::new(self.lattice, column, row);
+            let places = RowPlaces::new(self.lattice, column, row);
             match self.linear(places, pencil_row, primitives) {
                 Some(found) => found,
                 None => {
@@ -247,7 +247,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     #[inline(always)]
     fn linear(
         &mut self,
-        places: Places,
+        places: RowPlaces,
         row: Option<&PencilRow>,
         primitives: &[u32; LANES],
     ) -> Option<RowHits> {
@@ -298,7 +298,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         true
     }
 
-    /// Eight rays' hits of a triangle by its linear functions; `None` where those say little.
+    /// Eight rays' hits of a triangle by its linear functions; `None` where their errors are too large.
     #[inline(always)]
     fn linear_of(
         &mut self,

@@ -7,9 +7,10 @@
 //!
 //! # Error bound
 //! u = 2⁻²⁴. Edge functions of a triangle have one scale, on which they are at most 1, and are off by E < 1. Values
-//! fₖ are off by η and by u of themselves, F is the sum of their magnitudes. Three products and two sums round no term
-//! more than three times: F·E + (3η + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6η. The greatest value is one, and
-//! where all are below double precision's range η is more than one: underflow, 2⁻¹⁴⁸, is next to nothing.
+//! fₖ are off by a ([`AtCorners::error`]) and by u of themselves, F is the sum of their magnitudes. Three products and
+//! two sums round no term more than three times: F·E + (3a + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6a. The greatest
+//! value is one, and where all are below double precision's range a is more than one: underflow, 2⁻¹⁴⁸, is next to
+//! nothing.
 
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;

@@ -32,8 +32,8 @@ impl<L: Lanes> DepthMerge<L> {
         }
     }
 
-    /// Merges a triangle of depth key `near` into a row of rays. `sides` is the rays surely inside and those surely
-    /// outside the triangle; `None` means that all are surely inside.
+    /// Merges a triangle of depth key `near` into a row of rays. `sides` are the rays surely inside the triangle, and
+    /// those surely outside; `None` means that all are surely inside.
     ///
     /// No value here is NaN: a triangle whose functions are not finite is ill-conditioned and is not merged.
     #[inline(always)]
@@ -64,7 +64,8 @@ impl<L: Lanes> DepthMerge<L> {
         let wins = hit & old_high.lt(near_low);
         let loses = missed | near_high.lt(old_low);
         wins.store(self.primitive, primitives);
-        // Rays that are neither won nor surely nearer stay undecided until a surely nearer triangle wins them.
+        // A ray for which the triangle neither surely wins nor surely loses stays undecided until a surely nearer
+        // triangle wins it.
         UndecidedRays {
             rays: !(wins | loses).bits() & ALL,
             inside: hit.bits(),

@@ -6,8 +6,9 @@ use crate::packet::frustum::Window;
 use crate::packet::params::{CELLS, ROW, SIDE};
 use crate::packet::place_box::PlaceBox;
 
-/// Cells that a triangle's bounds touch up to which their rays are looked at one by one before it is set up. Triangles
-/// smaller than the ray spacing touch one, or four at a corner; larger ones have a ray within.
+/// The most cells touched by a triangle's bounds whose rays are tested against these bounds before set-up. Triangles
+/// smaller than the ray spacing touch one cell, or four at a corner: with fewer some are set up that no ray hits; with
+/// more, rays are tested for triangles large enough to have one within.
 const FEW_CELLS: u32 = 4;
 
 /// Eight boxes of places.
@@ -95,7 +96,7 @@ impl Places {
         }
     }
 
-    /// For each of the packet's four columns and rows of cells, the window of its rays.
+    /// Windows of the packet's four columns of cells (to the right) and four rows of cells (upwards), in pairs.
     pub(in crate::packet) fn cell_windows(&self) -> [Window; CELLS] {
         let step = self.view.plane().step;
         let (left, high) = (self.window.across.0, self.window.along.1);

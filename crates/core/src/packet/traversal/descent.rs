@@ -5,13 +5,13 @@ use crate::camera::{Lattice, Projection};
 use crate::packet::frustum::{CellFrusta, Frustum};
 use std::ops::Range;
 
-/// The most triangles of a small subtree that is treated as a leaf. With more, triangles are projected that its nodes
-/// would cull; with fewer, visiting nodes takes longer than projecting the triangles that they cull.
-const RUN: u32 = 32;
+/// The most triangles of a subtree with a small box that is treated as a leaf. With more, triangles are projected that
+/// its nodes would cull; with fewer, visiting nodes takes longer than projecting the triangles that they cull.
+const SMALL_COUNT: u32 = 32;
 
-/// The largest size of a small subtree's box, the sum of its three sides, in columns. The nodes of a larger box cull
-/// many triangles beside a packet of 32 columns; those of a smaller one cull few.
-const SMALL: f64 = 16.0;
+/// The largest size of a small box, the sum of its three sides, in columns. With a larger limit, triangles beside the
+/// packet of 32 columns are projected that nodes would cull; with a smaller one, nodes are visited that cull few.
+const SMALL_SIZE: f64 = 16.0;
 
 /// The greatest depth of the stack: a pair of entry points, one more subtree a level below, and the entry above the
 /// top that is written without a branch.
@@ -93,7 +93,7 @@ impl SmallBoxes {
     /// For the packets of a lattice.
     pub(super) fn new(lattice: &Lattice) -> Self {
         let camera = &lattice.camera;
-        let side = (SMALL * camera.plane().step * f64::from(lattice.stride)) as f32;
+        let side = (SMALL_SIZE * camera.plane().step * f64::from(lattice.stride)) as f32;
         match camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => Self {
                 slope: side / camera.distance() as f32,
@@ -108,7 +108,7 @@ impl SmallBoxes {
 
     /// The subtree, or a leaf of all its triangles if its box is small.
     #[inline(always)]
-    pub(super) fn whole(
+    pub(super) fn leaf_if_small(
         &self,
         boxes: &BoxPair,
         which: usize,
@@ -117,8 +117,8 @@ impl SmallBoxes {
     ) -> Subtree {
         let extent = |axis: usize| boxes.max[axis][which] - boxes.min[axis][which];
         let small = extent(0) + extent(1) + extent(2) < near * self.slope + self.constant;
-        if small & (subtree.count <= RUN) {
-            subtree.whole()
+        if small & (subtree.count <= SMALL_COUNT) {
+            subtree.as_leaf()
         } else {
             subtree
         }
