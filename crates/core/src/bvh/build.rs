@@ -22,8 +22,8 @@ use rayon::prelude::*;
 /// Frames of a million triangles take equally long from 1 to 16; with 16, single rays take a tenth longer.
 const TREELET_LIMIT: usize = 8;
 
-/// Treelets have one triangle more for each time that the mesh has this many, up to [`TREELET_LIMIT`]: with fewer
-/// than twice as many, every triangle is clustered by itself, since building is fast anyway.
+/// The number of triangles for each one that a treelet may have, up to [`TREELET_LIMIT`]: below twice this number every
+/// triangle is clustered by itself, since building is fast anyway.
 const FEW_TREELETS: usize = 1 << 14;
 
 pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {

@@ -11,7 +11,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// memory.
 const BITS_EACH: usize = 32;
 
-/// The fewest triangles for which two threads are faster than one.
+/// The fewest triangles for which two threads are used: with fewer, starting a task takes longer than it saves; with
+/// more, threads idle.
 const TOGETHER: usize = 1 << 12;
 
 /// The triangles that are copies: another triangle with a lower number has the same three corners in the same winding

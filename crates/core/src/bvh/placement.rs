@@ -87,7 +87,7 @@ impl BoxPlacement {
         } = *placement;
         let reach = offset.abs() + bounds.min.abs().max(bounds.max.abs()).as_dvec3();
         let magnitude = matrix3.abs() * reach + translation.abs() + origin.abs();
-        // In units of u = 2⁻⁵³ times this magnitude: a corner goes through 6 roundings (offset, product, two sums,
+        // In units of ε = 2⁻⁵³ times this magnitude: a corner goes through 6 roundings (offset, product, two sums,
         // translation, origin). Middle and half of a box take 1 each, their products and sums 3; the shift 5; the
         // three sums below 3; the half counts as much again as the middle. That is below 6 + 2 (1 + 3) + 5 + 3 = 22;
         // 64 has room for the rounding of the slack itself. What is rounded to nothing is made up for by the least

@@ -1,4 +1,4 @@
-//! Whether clustering takes long: judged by a sample.
+//! Whether clustering would take many rounds, and so long: judged by clustering a sample.
 
 use super::tree::Box32;
 use super::treelet::Treelets;
@@ -12,20 +12,21 @@ const FEWEST: usize = 1 << 12;
 const FEWEST_SAMPLED: usize = 1 << 10;
 const BOXES_A_SAMPLE: usize = 64;
 
-/// How often each box of a sample may be looked at. Meshes need 3 to 4 times, as a round leaves some seven in ten
-/// clusters.
+/// The most nearest-neighbour searches for each box of a sample. Meshes need 3 to 4, as a round leaves some seven in ten
+/// clusters; with fewer, meshes would be built by halving.
 const SAMPLE_SEARCHES: usize = 8;
 
-/// How often, on average, clustering may look at each box. At this it takes fifty times as long as usual.
+/// The most nearest-neighbour searches for each box of the whole, on average. At this clustering takes fifty times as
+/// long as usual.
 const MOST_SEARCHES: usize = 200;
 
-/// Rounds that look for the nearest cluster among direct neighbours alone.
+/// Rounds that search the nearest cluster among direct neighbours alone.
 pub(super) const SHORT_ROUNDS: usize = 2;
 
-/// How far other rounds look: obvhs's `PlocSearchDistance::Low`.
+/// How far other rounds search: obvhs's `PlocSearchDistance::Low`.
 const DISTANCE: usize = 6;
 
-/// Whether clusters would be joined a few at a time, in rounds that look at all of them: the time is then quadratic in
+/// Whether clusters would be joined a few at a time, in rounds that each search for all: the time is then quadratic in
 /// the number of boxes. It is so where each is nearest to one that is nearer to another, as with the triangles of a
 /// wide fan, each of which has a larger box than the one before.
 pub(super) fn are_many(boxes: &[Aabb]) -> bool {
@@ -46,7 +47,7 @@ pub(super) fn are_many(boxes: &[Aabb]) -> bool {
     !ends(&sample, most)
 }
 
-/// Whether clustering ends within so many looks at a cluster (Meister and Bittner, "Parallel locally-ordered clustering
+/// Whether clustering ends within so many nearest-neighbour searches (Meister and Bittner, "Parallel locally-ordered clustering
 /// for bounding volume hierarchy construction", 2018), with the search distances that obvhs is given.
 fn ends(boxes: &[Aabb], most: usize) -> bool {
     let corners = |b: &Aabb| Box32 {

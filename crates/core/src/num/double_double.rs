@@ -1,9 +1,10 @@
 //! Numbers of twice double precision's digits, as sums of two that do not overlap (Dekker, "A Floating-Point Technique
 //! for Extending the Available Precision", 1971).
 //!
-//! With u = 2⁻⁵³ a sum is off by less than 3.1u² of itself and a product by 5u² (Joldes, Muller, Popescu, "Tight and
-//! Rigorous Error Bounds for Basic Building Blocks of Double-Word Arithmetic", 2017), as long as nothing overflows or
-//! underflows.
+//! ε = 2⁻⁵³. A sum is off by less than 3.1ε² of itself (`AccurateDWPlusDW` of Joldes, Muller, Popescu, "Tight and Rigorous
+//! Error Bounds for Basic Building Blocks of Double-Word Arithmetic", 2017), and a product by 5ε² (their `DWTimesDW1`,
+//! whose bound is that of Muller, Rideau, "Formalization of Double-Word Arithmetic", 2022, for ties to even), as long as
+//! nothing overflows or underflows.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -67,7 +68,7 @@ impl Mul for DoubleDouble {
     }
 }
 
-/// a + b exactly (Knuth).
+/// a + b exactly (Knuth, "The Art of Computer Programming", volume 2, 1969, 4.2.2).
 fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let added = high - a;

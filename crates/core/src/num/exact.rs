@@ -1,9 +1,8 @@
 //! Exact arithmetic on floating point numbers.
 //!
-//! Every coordinate is a binary floating point number, hence an integer times a power of two: over
-//! a common power the determinants of a ray and a triangle are integers, and every question about
-//! them is the sign of one. Bounds on their lengths follow from the numbers' exponents: nearly all
-//! fit integers of a fixed length, which need no memory of their own.
+//! Every coordinate is a binary floating point number, hence an integer times a power of two: over a common power the
+//! determinants of a ray and a triangle are integers, and every decision is the sign of one. Bounds on their lengths
+//! follow from the numbers' exponents: nearly all fit integers of a fixed length, which need no heap allocation.
 
 use super::integer::Integer;
 use super::wide::Wide;
@@ -147,9 +146,8 @@ pub(crate) fn compare_scaled<I: Integer>(a: &I, i: i32, b: &I, j: i32) -> Orderi
 
 /// `numerator / denominator · 2^exponent`, rounded; the denominator is not zero.
 ///
-/// The highest 64 bits of each are within a relative error of 2^-63. The integer part of the quotient has 64 or 65
-/// bits and is rounded to a double: the relative error is below (1 + 2^-8) · 2^-53, and zero where the quotient is a
-/// double.
+/// The highest 64 bits of each are within a relative error of 2⁻⁶³. The integer part of the quotient has 64 or 65
+/// bits and is rounded to a double: the relative error is below (1 + 2⁻⁸)ε, and zero where the quotient is a double.
 pub(crate) fn ratio<I: Integer>(numerator: &I, denominator: &I, exponent: i32) -> f64 {
     if numerator.sign() == Ordering::Equal {
         return 0.0;
@@ -194,8 +192,8 @@ fn scale(mut x: f64, mut exponent: i64) -> f64 {
 pub(crate) fn is_collinear(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (ab, ac) = (b.as_dvec3() - a.as_dvec3(), c.as_dvec3() - a.as_dvec3());
     let normal = ab.cross(ac);
-    // Each component is a difference of two products of rounded differences: with ε = 2^-53 its
-    // error is below (2·2 + 1 + 1)·ε times the products' absolute sum, higher orders included in 8.
+    // Each component is a difference of two products of rounded differences: with ε = 2⁻⁵³ its error is below
+    // (2·2 + 1 + 1)ε times the sum of the products' magnitudes; 8 includes higher orders.
     let sum = |x: f64, y: f64, z: f64, w: f64| (x * y).abs() + (z * w).abs();
     let bound = DVec3::new(
         sum(ab.y, ac.z, ab.z, ac.y),

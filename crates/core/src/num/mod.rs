@@ -1,4 +1,4 @@
-//! Numeric basics that every room may use: exact arithmetic, and SIMD lanes in single precision.
+//! Numeric basics that every module may use: exact arithmetic, and SIMD lanes in single precision.
 
 pub(crate) mod double_double;
 pub(crate) mod exact;

@@ -15,8 +15,8 @@
 //!   6.1ε(Σ|nᵢoᵢ| + |c| + (|t| + τ)·Σ|nᵢdᵢ|), and τ·Σ|nᵢdᵢ| for τ itself.
 //!
 //! Products below the range of normal numbers lose 2⁻¹⁰⁷⁵ each, those with t that times |t| + τ; [`TINY`] times
-//! 1 + |t| + τ is more than all of these. What leaves the
-//! range at the other end is infinite or NaN, and so is its bound: comparisons fail, and exact arithmetic decides.
+//! 1 + |t| + τ is more than all of these. What leaves the range at the other end is infinite or NaN, and so is its
+//! bound: comparisons fail, and exact arithmetic decides.
 
 use super::Nearest;
 use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, subtract};
@@ -30,6 +30,7 @@ use std::cmp::Ordering;
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
+/// The least normal number, which is more than what underflow loses (above).
 const TINY: f64 = f64::MIN_POSITIVE;
 
 /// The clipping planes, prepared for triangles whose corners are relative to `origin`.

@@ -119,10 +119,10 @@ impl Determinants {
     /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): the form whose permanent is least is
     /// computed, so that triangles that are tiny compared with their distance are decided as well.
     ///
-    /// With u = 2⁻⁵³ a corner relative to the origin is off by 3.1u² of itself, since the frame relative to the origin
-    /// is exact, as differences of corners are; a product of two by 12u² with its rounding, their difference by 3.1u²
-    /// more, the product with the third factor by 5u², or 8.1u² where that is a coordinate too, and two sums by 6.2u²:
-    /// below 32u² of the permanent. The result is rounded to double precision.
+    /// A corner relative to the origin is off by 3.1ε² of itself, since the frame relative to the origin is exact, as
+    /// differences of corners are; a product of two by 12ε² with its rounding, their difference by 3.1ε² more, the
+    /// product with the third factor by 5ε², or 8.1ε² where that is a coordinate too, and two sums by 6.2ε²: below 32ε²
+    /// of the permanent. The result is rounded to double precision.
     pub(super) fn in_double_double(
         origin: DVec3,
         direction: DVec3,

@@ -1,7 +1,7 @@
 //! Triangles exactly edge-on to a camera: decided once for all its rays.
 
 use super::componentwise::{plane_crosses, plane_misses};
-use super::exact::{Placed, plane_holds, plane_is_along};
+use super::exact::{Placed, plane_contains, plane_is_parallel};
 use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
@@ -119,7 +119,7 @@ impl EdgeOn {
                     corners,
                     origin: self.frame,
                 };
-                !misses.unwrap_or_else(|| !plane_holds(eye, &placed))
+                !misses.unwrap_or_else(|| !plane_contains(eye, &placed))
             }
             Shared::Direction(direction, level) => {
                 let is_not_before = level.is_some_and(|level| {
@@ -128,7 +128,8 @@ impl EdgeOn {
                     relative.all(|relative| level.is_not_before(frame, relative))
                 });
                 let crosses = || plane_crosses(direction, in_double);
-                is_not_before || !crosses().unwrap_or_else(|| !plane_is_along(direction, corners))
+                is_not_before
+                    || !crosses().unwrap_or_else(|| !plane_is_parallel(direction, corners))
             }
         }
     }
@@ -217,7 +218,7 @@ mod tests {
             // In the plane's span except for roundings in double precision.
             let [to_b, to_c] = [b, c].map(|corner| corner.as_dvec3() - a.as_dvec3());
             let direction = to_b * random.signed() + to_c * random.signed();
-            let is_along = plane_is_along(direction, [a, b, c]);
+            let is_along = plane_is_parallel(direction, [a, b, c]);
             let crosses = plane_crosses(direction, [a, b, c].map(Vec3::as_dvec3));
             assert!(crosses.is_none_or(|crosses| crosses != is_along));
             sure += usize::from(crosses.is_some());
@@ -238,7 +239,7 @@ mod tests {
             let way = (b - a) * random.signed() + (c - a) * random.signed();
             let camera = camera(a, a + way, Projection::Orthographic);
             let forward = camera.forward();
-            let is_along = plane_is_along(forward, corners);
+            let is_along = plane_is_parallel(forward, corners);
             undecided += usize::from(!is_along && plane_crosses(forward, [a, b, c]).is_none());
             let mut edge_on = EdgeOn::new(&camera, DVec3::ZERO);
             assert_eq!(edge_on.is(0, corners), is_along, "{corners:?} {forward}");

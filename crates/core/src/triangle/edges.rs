@@ -4,7 +4,8 @@
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The largest relative error of a weight, in units of the weights' sum, that still rounds well to single precision:
-/// 2⁻²⁸, a sixteenth of its unit roundoff.
+/// 2⁻²⁸, a sixteenth of its unit roundoff. With a larger one u and v lose digits; with a smaller one more hits are
+/// computed with tighter bounds.
 pub(super) const WELL_CONDITIONED: f64 = 1.0 / (1u64 << 28) as f64;
 
 /// The axes in cyclic order, the major one last.
@@ -164,7 +165,7 @@ impl Edges {
 }
 
 impl Point {
-    /// Whether the parameter is accurate to single precision.
+    /// Whether the parameter is accurate to single precision, within an eighth of its unit roundoff.
     #[inline(always)]
     pub(super) fn is_single(&self) -> bool {
         self.t_error <= 1.0 / (1u64 << 27) as f64 * self.t.abs()

@@ -83,7 +83,7 @@ fn scales(ray: &Ray, all: &[&Placed]) -> (Scale, Scale) {
 ///
 /// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from the eye hit such a triangle at t = 0
 /// or, where all three weights are zero, not at all.
-pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
+pub(crate) fn plane_contains(eye: DVec3, placed: &Placed) -> bool {
     fn of<I: Integer>(eye: DVec3, placed: &Placed, lengths: Scale) -> bool {
         let [a, b, c] = placed.relative_to::<I>(eye, lengths);
         dot(&a, &cross(&b, &c)).sign() == Ordering::Equal
@@ -101,7 +101,7 @@ pub(crate) fn plane_holds(eye: DVec3, placed: &Placed) -> bool {
 
 /// Whether the plane of a triangle is parallel to `direction`: the three weights of every such ray sum to zero, so
 /// they differ in sign or are all zero, and no such ray hits the triangle.
-pub(crate) fn plane_is_along(direction: DVec3, corners: [Vec3; 3]) -> bool {
+pub(crate) fn plane_is_parallel(direction: DVec3, corners: [Vec3; 3]) -> bool {
     fn of<I: Integer>(
         direction: DVec3,
         corners: [DVec3; 3],
@@ -334,18 +334,18 @@ mod tests {
         for origin in [DVec3::ZERO, DVec3::new(1e7, -3e5, 0.125)] {
             let here = placed(corners, origin);
             for eye in [DVec3::ZERO, b, b * 2.0, b + c, c * 0.5 - b] {
-                assert!(plane_holds(origin + eye, &here));
+                assert!(plane_contains(origin + eye, &here));
                 let next = (origin + eye).x.next_up();
-                assert!(!plane_holds((origin + eye).with_x(next), &here));
+                assert!(!plane_contains((origin + eye).with_x(next), &here));
             }
         }
         // The difference of eye and origin is not a double; the plane is y = z.
         let corners_of_y = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
         let here = placed(corners_of_y, DVec3::X * 2f64.powi(-80));
         let eye = DVec3::new(1.0, 5.0, 5.0);
-        assert!(plane_holds(eye, &here));
-        assert!(!plane_holds(eye.with_z(5f64.next_up()), &here));
-        assert!(plane_is_along(b - c * 0.125, corners) && plane_is_along(c, corners));
-        assert!(!plane_is_along(b.with_y(b.y.next_up()), corners));
+        assert!(plane_contains(eye, &here));
+        assert!(!plane_contains(eye.with_z(5f64.next_up()), &here));
+        assert!(plane_is_parallel(b - c * 0.125, corners) && plane_is_parallel(c, corners));
+        assert!(!plane_is_parallel(b.with_y(b.y.next_up()), corners));
     }
 }

@@ -24,7 +24,7 @@ pub enum Simd {
 }
 
 impl Simd {
-    /// Each.
+    /// All of them.
     const ALL: [Self; 3] = [Self::Plain, Self::Neon, Self::Avx2];
 
     /// The widest that this machine has. There is no variant with sixteen lanes (AVX-512): small triangles seldom
@@ -87,7 +87,7 @@ pub(crate) trait F32x8:
     fn sqrt(self) -> Self;
     /// Magnitudes.
     fn abs(self) -> Self;
-    /// The greatest whole numbers that are not above; no numbers stay what they are.
+    /// The greatest integers that are not above; NaN stays NaN.
     fn floor(self) -> Self;
     /// The lesser of two in each lane; `other`'s where either is NaN.
     fn min(self, other: Self) -> Self;
