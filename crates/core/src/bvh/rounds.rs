@@ -47,8 +47,8 @@ pub(super) fn are_many(boxes: &[Aabb]) -> bool {
     !ends(&sample, most)
 }
 
-/// Whether clustering ends within so many nearest-neighbour searches (Meister and Bittner, "Parallel locally-ordered clustering
-/// for bounding volume hierarchy construction", 2018), with the search distances that obvhs is given.
+/// Whether clustering ends within so many nearest-neighbour searches (Meister and Bittner, "Parallel locally-ordered
+/// clustering for bounding volume hierarchy construction", 2018), with the search distances that obvhs is given.
 fn ends(boxes: &[Aabb], most: usize) -> bool {
     let corners = |b: &Aabb| Box32 {
         min: b.min.into(),

@@ -4,8 +4,8 @@
 //!
 //! Nothing is mapped to packet space. With P and Q two corners relative to the eye, in world space, and
 //! d(i, j) = d + i·a + j·b the direction of a ray, its edge function is d(i, j)·(P×Q), and the inverse depth is
-//! d(i, j)·n / (D·A·(B×C)). Orthographic rays run along d from o + i·a + j·b, with P and Q relative to o; there the
-//! edge function is d·(P×Q) + (i·a + j·b)·(d×(Q−P)), and the depth A·n/(d·n) less (i·a + j·b)·n/(d·n).
+//! d(i, j)·n / (D·P₀·(P₁×P₂)). Orthographic rays run along d from o + i·a + j·b, with P and Q relative to o; there the
+//! edge function is d·(P×Q) + (i·a + j·b)·(d×(Q−P)), and the depth P₀·n/(d·n) less (i·a + j·b)·n/(d·n).
 //!
 //! # Error bounds
 //! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); products of magnitudes are taken component by component, and |x|×|y|
@@ -19,16 +19,16 @@
 //! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three
 //!   roundings for a product and a sum of three, two for moving to another place, and three for its scale and its
 //!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of
-//!   the same. A ray's direction is off by 6εB a component, d by 5εB, and i·a + j·b by εB: ε_d = 20εB times |m₁| +
-//!   |m₂| + |m₃| is taken, where R ≤ B: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has
-//!   for orthographic packets.
+//!   the same. A ray's direction is off by 6εB a component (B as in `setup`), d by 5εB, and i·a + j·b by εB: ε_d =
+//!   20εB times |m₁| + |m₂| + |m₃| is taken, where R ≤ B: it has room for a step's ninth rounding, as the origin's
+//!   error of 16ε·2R has for orthographic packets.
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
-//!   roundings are used, and by η times the vector. A·n is taken at the corner where that is least; where it is not
-//!   clear, A·(B×C) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is off
-//!   by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself: we take 2. Inverse
-//!   and products round a key by 3ε of itself; its denominator's bound is 12ε of itself at least, of which it needs 8,
-//!   and is taken twice. All this is of the whole key; it is made relative to the packet's reference afterwards, as in
-//!   `setup`.
+//!   roundings are used, and by η times the vector. P₀·n is taken at the corner where that is least; where it is not
+//!   clear, P₀·(P₁×P₂) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is
+//!   off by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself: we take 2.
+//!   Inverse and products round a key by 3ε of itself; its denominator's bound is 12ε of itself at least, of which it
+//!   needs 8, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
+//!   afterwards, as in `setup`.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!

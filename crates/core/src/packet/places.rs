@@ -21,14 +21,14 @@
 //! * **Places.** Divided by s: 1310εK. The sum and the quotient round by less than 4ε·32, and the place of the packet's
 //!   first ray in the picture by 6εK: below 1400εK, times √2 where both coordinates move a direction. [`PLACE_ERROR`] is
 //!   above that.
-//! * **Lenses.** Packets of a picture through a lens share the camera's own image plane, on which directions (x, y, 1) are
-//!   places already: neither products nor the plane's axes move them. With x and y at most 2 ([`FLATTEST`]) |d| is at most 3,
-//!   B at most 5, and the nine roundings of rays on their way to the world move tangents by less than 9√3·3·(1 + 2)ε < 2⁸ε, in
-//!   both coordinates 363ε. A ray's own direction and the packet's, from Newton's steps, differ by 2·720ε: together 1803ε, and
-//!   with √2·90ε from rounding places as above below [`PLACE_ERROR`].
-//! * **Faces of a cube.** They are planes, and their packets lattices, with the picture's own rays beside the lattice's. Those
-//!   differ by less than 1100ε a tangent and rounding (`camera/cube_face`), K times as much in columns: 1560εK where both
-//!   coordinates move a direction.
+//! * **Lenses.** Packets of a picture through a lens share the camera's own image plane, on which directions (x, y, 1)
+//!   are places already: neither products nor the plane's axes move them. With x and y at most 2 ([`FLATTEST`]) |d| is
+//!   at most 3, B at most 5, and the nine roundings of rays on their way to the world move tangents by less than
+//!   9√3·3·(1 + 2)ε < 2⁸ε, in both coordinates 363ε. A ray's own direction and the packet's, from Newton's steps,
+//!   differ by 2·720ε: together 1803ε, and with √2·90ε from rounding places as above below [`PLACE_ERROR`].
+//! * **Faces of a cube.** They are planes, and their packets lattices, with the picture's own rays beside the
+//!   lattice's. Those differ by less than 1100ε a tangent and rounding (`camera/cube_face`), K times as much in
+//!   columns: 1560εK where both coordinates move a direction.
 //! * **Single precision.** Rounding a place by u of itself moves a linear function by less than u of the sum of its
 //!   terms' magnitudes: one of the roundings counted where functions are evaluated
 //!   (`interval_zbuffer/at_places`).

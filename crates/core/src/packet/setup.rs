@@ -3,11 +3,11 @@
 //!
 //! All rays of a packet share an eye, or a direction. A linear map T takes world space, relative to the eye, to
 //! **packet space**, in which the ray in column i and row j runs along (i, j, 1); for orthographic packets it
-//! starts at (i, j, 0) and runs along (0, 0, 1). There, for a triangle with corners A, B, C, the edge functions
-//! (i, j, 1)·(B×C), (i, j, 1)·(C×A) and (i, j, 1)·(A×B) are linear in i and j, and so is the inverse depth,
-//! (i, j, 1)·n / A·n with n = (B−A)×(C−A) (Olano and Greer, "Triangle Scan Conversion Using 2D Homogeneous
-//! Coordinates", 1997). Orthographic packets use the corners' (X, Y, 1) in the edge functions, and the depth
-//! itself is linear.
+//! starts at (i, j, 0) and runs along (0, 0, 1). There, for a triangle with corners P₀, P₁, P₂, the edge functions
+//! (i, j, 1)·(P₁×P₂), (i, j, 1)·(P₂×P₀) and (i, j, 1)·(P₀×P₁) are linear in i and j, and so is the inverse depth,
+//! (i, j, 1)·n / P₀·n with n = (P₁−P₀)×(P₂−P₀) (Olano and Greer, "Triangle Scan Conversion Using 2D Homogeneous
+//! Coordinates", 1997). Orthographic packets use the corners' (X, Y, 1) in the edge functions, and the depth itself
+//! is linear.
 //!
 //! # Error bounds
 //! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`). All bounds are to first order in ε; each constant is rounded up
@@ -23,15 +23,15 @@
 //!   origin's own error. Mapped: 3·20εKr from T, 6εKr from products and sums, 2K(εr + η) from before: below Kδ
 //!   with δ = 72(εr + η) for X and Y, and below δ for Z. In reverse, r ≤ (2A·s + Z·B)/D, with A the greatest |X|
 //!   or |Y| and Z the greatest |Z| (orthographic: 2A·s + Z).
-//! * **Edge functions.** With W the greatest third coordinate (Z, or 1 and exact), m = P×Q is off by
-//!   2KδW + 2Aδ + 4εAW in its first two components and by 4KδA + 4εA² in the third. Moving to a place in the
+//! * **Edge functions.** With W the greatest third coordinate (Z, or 1 and exact), the cross product m of two corners
+//!   is off by 2KδW + 2Aδ + 4εAW in its first two components and by 4KδA + 4εA² in the third. Moving to a place in the
 //!   packet rounds twice more. At places up to h ([`REACH`]): E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for
 //!   4(K + h), since W is exact.
 //! * **Rays.** A ray's direction is rounded on its way to unit length by 8εB a component, which T makes
 //!   14εK·B/D, and its place on the plane by εK: below 32εK·B/D columns or rows, so edge functions and n are off
 //!   by that times |m₁| + |m₂|, or |n₁| + |n₂|. Orthographic rays' origins are rounded instead, which η includes.
-//! * **Plane.** With L and M twice the greatest difference of a corner from A in X or Y, and in Z: A·n is off by half
-//!   of F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (A·n − n₁i − n₂j)/n₃, whose numerator
+//! * **Plane.** With L and M twice the greatest difference of a corner from P₀ in X or Y, and in Z: P₀·n is off by half
+//!   of F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (P₀·n − n₁i − n₂j)/n₃, whose numerator
 //!   is off by F with A + h for A, and n₃ by 8KδL + 8εL².
 //! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its
 //!   parts are off by, relative to itself: we take 2. The key is made relative to the packet's reference
@@ -39,7 +39,7 @@
 //!   [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
 //! * **What covers what.** δ ≥ 72ε·2.1·A/K' with K' = D/s (orthographic: 1/s), and δ ≥ 79ε·Z·B/D. So Kδ ≥ 151εA, and
 //!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it. Inverse and product round the key
-//!   by 4ε of itself at most; since |A·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself
+//!   by 4ε of itself at most; since |P₀·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself
 //!   through its denominator. Rays of a lattice move edge functions by 128εK(B/D)AZ at most: E has 316 of these. An
 //!   orthographic eye is off by less than its rays' origins are.
 //! * **What covers the key's numerator in perspective.** It is off by (L + iM)·4(K + h)δ at a place i. Keys count
@@ -304,7 +304,7 @@ impl PacketSpace {
     }
 }
 
-/// A triangle in packet space: its corners, two edges from the first, their cross product n, and A·n.
+/// A triangle in packet space: its corners, two edges from the first, their cross product n, and P₀·n.
 #[derive(Clone, Copy)]
 struct PacketTriangle {
     a: [f64; 3],
@@ -358,7 +358,7 @@ struct Size {
 /// A triangle's plane as a packet sees it.
 #[derive(Clone, Copy)]
 struct Plane {
-    /// The depth key's denominator, A·n or n₃: negative where the triangle's front faces the eye.
+    /// The depth key's denominator, P₀·n or n₃: negative where the triangle's front faces the eye.
     facing: f64,
     facing_error: f64,
     /// The error of the depth key's numerator, without what `facing_error` covers.

@@ -14,18 +14,19 @@
 //! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); m the greatest coordinate of a corner relative to the eye, e that of
 //! an edge, at most 2m; η the error of the eye; R at least each coordinate of D.
 //!
-//! * **These functions.** A corner is off by εm + η, an edge by εe, and a coordinate of (c−a) × a by 8εem + 2η·e with its own
-//!   rounding. Its product with D, in whose six roundings each term is at most R·2em, is off by R·e(63εm + 9η). D
-//!   itself is off by 5εR a coordinate on either path, which is 60εRem. D·N is off by less than 120εRem. So u and v
-//!   are off by R·e(250εm + 9η)/|D·N| and 3ε.
-//! * **The single ray.** Its edge functions' bound is E = 2δ(Σ|x| + Σ|y| + δ) with δ = 8εm + 3η. The ray passes inside: no
-//!   sheared coordinate is beyond a sheared edge, 2e, and its error. While δ ≤ 2⁻¹⁰e, E ≤ 25δe. The determinant is D·N
-//!   over D's coordinate along the major axis, so E is at most 25δe·R/|D·N| of it, and u and v are off by four times
-//!   that and 3ε.
+//! * **These functions.** A corner is off by εm + η, an edge by εe, and a coordinate of (c−a) × a by 8εem + 2η·e with
+//!   its own rounding. Its product with D, in whose six roundings each term is at most R·2em, is off by R·e(63εm +
+//!   9η). D itself is off by 5εR a coordinate on either path, which is 60εRem. D·N is off by less than 120εRem. So u
+//!   and v are off by R·e(250εm + 9η)/|D·N| and 3ε.
+//! * **The single ray.** Its edge functions' bound is E = 2δ(Σ|x| + Σ|y| + δ) with δ = 8εm + 3η. The ray passes
+//!   inside: no sheared coordinate is beyond a sheared edge, 2e, and its error. While δ ≤ 2⁻¹⁰e, E ≤ 25δe. The
+//!   determinant is D·N over D's coordinate along the major axis, so E is at most 25δe·R/|D·N| of it, and u and v are
+//!   off by four times that and 3ε.
 //! * **Together** K/|D·N| + 8ε, with K = R·e(1100εm + 320η).
-//! * **t.** The single ray's depth is off by 4E·e/|determinant| + 2δ, less than K·e/|D·N| + 2δ, and t by √3 times that,
-//!   since a unit vector's longest coordinate is at least 1/√3. The functions' a·N is off by 54εme² + 6ηe², t by less than a tenth of
-//!   K·e/|D·N| for that, and as much for D·N. With the roundings of t and |D|: 2K·e/|D·N| + 4δ + 32εt.
+//! * **t.** The single ray's depth is off by 4E·e/|determinant| + 2δ, less than K·e/|D·N| + 2δ, and t by √3 times
+//!   that, since a unit vector's longest coordinate is at least 1/√3. The functions' a·N is off by 54εme² + 6ηe², t by
+//!   less than a tenth of K·e/|D·N| for that, and as much for D·N. With the roundings of t and |D|: 2K·e/|D·N| + 4δ +
+//!   32εt.
 //! * **What covers what.** |D·N| ≤ 6Re², so K/|D·N| ≥ 183εm/e. Then t's first term is more than 366εm, and covers 4δ and
 //!   the roundings: t ≤ √3·m. As e ≤ 2m, a weight's 8ε are covered too. Where K/|D·N| ≤ 2⁻²⁸, δ is less than 2⁻³²e.
 //! * **The same path.** Where K/|D·N| ≤ 2⁻²⁸ and each weight is greater than its bound, the single ray's edge functions
