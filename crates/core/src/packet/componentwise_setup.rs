@@ -62,12 +62,12 @@ impl Bounded {
         }
     }
 
-    /// The cross product of two corners, `way` from the first to the second: of P×Q, P×u and Q×u, in each component,
+    /// The cross product of two corners, `u` from the first to the second: of P×Q, P×u and Q×u, in each component,
     /// the one with the least bound.
     #[inline(always)]
-    fn cross(from: DVec3, to: DVec3, way: DVec3) -> Self {
+    fn cross(from: DVec3, to: DVec3, u: DVec3) -> Self {
         let direct = Self::cross_of(from, to);
-        let [by_first, by_second] = [Self::cross_of(from, way), Self::cross_of(to, way)];
+        let [by_first, by_second] = [Self::cross_of(from, u), Self::cross_of(to, u)];
         direct.or_better(by_first).or_better(by_second)
     }
 
@@ -82,10 +82,10 @@ impl Bounded {
 
     /// Adds the effect of an origin that is off by `origin_error`; the difference of the corners is not affected.
     #[inline(always)]
-    fn moved(self, way: DVec3, origin_error: f64) -> Self {
-        let way = way.abs();
+    fn moved(self, u: DVec3, origin_error: f64) -> Self {
+        let u = u.abs();
         Self {
-            error: self.error + (way.yzx() + way.zxy()) * (1.01 * origin_error),
+            error: self.error + (u.yzx() + u.zxy()) * (1.01 * origin_error),
             ..self
         }
     }
@@ -128,7 +128,7 @@ struct Factors {
     /// Corners relative to the eye.
     relative: [DVec3; 3],
     normal: Bounded,
-    /// For each edge its first and its second corner relative to the eye, and the way from the one to the other.
+    /// For each edge its corners P and Q relative to the eye, and u = Q − P.
     edges: [(DVec3, DVec3, DVec3); 3],
 }
 
@@ -201,8 +201,8 @@ impl PacketSpace {
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
         let mut greatest_error: f64 = 0.0;
         let mut is_sound = true;
-        for (edge, &(from, to, way)) in edges.iter().enumerate() {
-            let (function, error) = self.edge_function(&Bounded::cross(from, to, way), way);
+        for (edge, &(from, to, u)) in edges.iter().enumerate() {
+            let (function, error) = self.edge_function(&Bounded::cross(from, to, u), u);
             let function = function.moved(&span);
             let magnitude = function.size(&span);
             let unit = sign / magnitude;
@@ -258,9 +258,9 @@ impl PacketSpace {
         } = &factors;
         let (_, facing, _) = self.depth_function(*relative, normal, edges);
         is_clear(facing).then(|| {
-            edges.map(|(from, to, way)| {
-                let cross = Bounded::cross(from, to, way);
-                let (function, error) = self.edge_function(&cross, way);
+            edges.map(|(from, to, u)| {
+                let cross = Bounded::cross(from, to, u);
+                let (function, error) = self.edge_function(&cross, u);
                 (function.times(facing.0.signum()), error)
             })
         })
@@ -274,12 +274,12 @@ impl PacketSpace {
     }
 
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two
-    /// corners, `way` is the second less the first.
+    /// corners, `u` is the second less the first.
     #[inline(always)]
-    fn edge_function(&self, product: &Bounded, way: DVec3) -> (Linear, f64) {
+    fn edge_function(&self, product: &Bounded, u: DVec3) -> (Linear, f64) {
         let (d, [a, b]) = (self.rays.direction, self.rays.steps);
         if self.perspective {
-            let product = product.moved(way, self.origin_error);
+            let product = product.moved(u, self.origin_error);
             let function = Linear {
                 constant: d.dot(product.value),
                 x: a.dot(product.value),
@@ -287,7 +287,7 @@ impl PacketSpace {
             };
             (function, self.error_along_rays(&product))
         } else {
-            let slope = Bounded::cross_of(d, way);
+            let slope = Bounded::cross_of(d, u);
             let function = Linear {
                 constant: d.dot(product.value),
                 x: a.dot(slope.value),
@@ -325,8 +325,8 @@ impl PacketSpace {
         if self.perspective {
             if !is_clear(product) {
                 // A corner and the edge opposite to it have the same product.
-                for (corner, (from, to, way)) in [p, q, r].into_iter().zip(*edges) {
-                    let across = Bounded::cross(from, to, way).moved(way, origin_error);
+                for (corner, (from, to, u)) in [p, q, r].into_iter().zip(*edges) {
+                    let across = Bounded::cross(from, to, u).moved(u, origin_error);
                     product = better(product, across.dot(corner, origin_error));
                 }
             }
