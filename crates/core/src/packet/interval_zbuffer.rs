@@ -60,7 +60,7 @@ pub(crate) struct IntervalZBuffer {
     /// For each undecided ray, the triangles that it is undecided between.
     rivals: Rivals,
     /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
-    begin: f32,
+    start_key: f32,
 }
 
 impl IntervalZBuffer {
@@ -73,14 +73,14 @@ impl IntervalZBuffer {
             dirty: 0,
             contested: [0; CELLS * CELLS],
             rivals: Rivals::default(),
-            begin: f32::INFINITY,
+            start_key: f32::INFINITY,
         }
     }
 
-    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each. `begin` is the depth key where
+    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each. `start_key` is the depth key where
     /// orthographic rays start, infinite for perspective packets.
     #[inline(always)]
-    pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, begin: f32) {
+    pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, start_key: f32) {
         self.low = [f32::NEG_INFINITY; RAYS];
         self.high = [f32::NEG_INFINITY; RAYS];
         self.primitives = [MISS; RAYS];
@@ -88,7 +88,7 @@ impl IntervalZBuffer {
         self.dirty = 0;
         self.contested = [0; CELLS * CELLS];
         self.rivals.clear();
-        self.begin = begin;
+        self.start_key = start_key;
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
             // Entries outside the packet are infinitely near, so that no triangle wins them.

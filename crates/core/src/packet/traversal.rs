@@ -239,7 +239,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 if !begun {
                     begun = true;
                     self.decisions.set_rays(&space);
-                    zbuffer.clear(lanes, part.columns, part.rows, self.begin());
+                    zbuffer.clear(lanes, part.columns, part.rows, self.start_key());
                 }
                 let corners = self.corners(lanes, self.batch.primitives());
                 projector.project(lanes, &corners, self.batch.len, &mut projected);
@@ -487,7 +487,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     }
 
     /// The relative depth key where rays start; infinite for perspective packets.
-    fn begin(&self) -> f32 {
+    fn start_key(&self) -> f32 {
         match self.lattice.camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => f32::INFINITY,
             // Orthographic rays start at the image plane, where the negated depth is zero.

@@ -192,7 +192,7 @@ impl IntervalZBuffer {
             ..
         } = *functions;
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        let merge = DepthMerge::new(lanes, functions, self.begin);
+        let merge = DepthMerge::new(lanes, functions, self.start_key);
         while rows != 0 {
             let first = first_of(cell, rows.trailing_zeros() as usize);
             rows &= rows - 1;
@@ -239,7 +239,7 @@ impl IntervalZBuffer {
         cell: usize,
         decisions: &mut Decisions<'_>,
     ) {
-        let merge = DepthMerge::new(lanes, functions, self.begin);
+        let merge = DepthMerge::new(lanes, functions, self.start_key);
         for row in 0..ROW {
             let first = first_of(cell, row);
             let (Some((x, y)), Some((low, high, primitives))) =

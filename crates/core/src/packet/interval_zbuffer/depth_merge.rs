@@ -17,17 +17,17 @@ pub(super) struct UndecidedRays {
 pub(super) struct DepthMerge<L: Lanes> {
     pub(super) primitive: u32,
     error: L::F32,
-    begin: L::F32,
+    start_key: L::F32,
     never: L::F32,
 }
 
 impl<L: Lanes> DepthMerge<L> {
     #[inline(always)]
-    pub(super) fn new(lanes: L, functions: &EdgeFunctions, begin: f32) -> Self {
+    pub(super) fn new(lanes: L, functions: &EdgeFunctions, start_key: f32) -> Self {
         Self {
             primitive: functions.primitive,
             error: lanes.splat(functions.depth_key_error),
-            begin: lanes.splat(begin),
+            start_key: lanes.splat(start_key),
             never: lanes.splat(f32::NEG_INFINITY),
         }
     }
@@ -49,11 +49,11 @@ impl<L: Lanes> DepthMerge<L> {
         let (old_low, old_high) = (lanes.load(low), lanes.load(high));
         let near_low = near - self.error;
         let near_high = near + self.error;
-        let began = near_high.lt(self.begin);
-        let unbegun = self.begin.lt(near_low);
+        let in_front = near_high.lt(self.start_key);
+        let behind = self.start_key.lt(near_low);
         let (hit, missed) = match sides {
-            Some((inside, outside)) => (inside & began, outside | unbegun),
-            None => (began, unbegun),
+            Some((inside, outside)) => (inside & in_front, outside | behind),
+            None => (in_front, behind),
         };
         // A sure hit raises the lower bound of the nearest depth, a possible one raises the upper bound. A triangle
         // that is surely further changes neither.

@@ -66,10 +66,11 @@ impl IntervalZBuffer {
         }
         let mut never_hit = 0;
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            let begins = decisions.are_exact()
-                && self.begin != f32::INFINITY
-                && set_up.may_touch(l, self.begin);
-            let is_doubtful = set_up.boxes[l].right >= 0 && (set_up.ill_conditioned[l] || begins);
+            let may_start_on = decisions.are_exact()
+                && self.start_key != f32::INFINITY
+                && set_up.may_touch(l, self.start_key);
+            let is_doubtful =
+                set_up.boxes[l].right >= 0 && (set_up.ill_conditioned[l] || may_start_on);
             never_hit |= u32::from(is_doubtful && decisions.is_never_hit(primitive)) << l;
         }
         never_hit
@@ -90,7 +91,7 @@ impl IntervalZBuffer {
     ) {
         let mut set_up = space.set_up(corners, boxes);
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
-        let never_hit = if any_rough || self.begin != f32::INFINITY {
+        let never_hit = if any_rough || self.start_key != f32::INFINITY {
             self.refine(space, &mut set_up, corners, primitives, decisions)
         } else {
             0
@@ -256,7 +257,7 @@ impl IntervalZBuffer {
         let step = |f: [f32; 3]| lanes.splat(f[2]);
         let (step_a, step_b, step_c, step_near) = (step(e), step(f), step(g), step(depth_key));
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        let merge = DepthMerge::new(lanes, functions, self.begin);
+        let merge = DepthMerge::new(lanes, functions, self.start_key);
         for row in 0..rows {
             let first = first + row * SIDE;
             let Some((low, high, primitives)) = self.rays(first) else {
@@ -289,7 +290,7 @@ impl IntervalZBuffer {
         let x = lanes.load(&COLUMNS);
         let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
         let step = lanes.splat(n[2]);
-        let merge = DepthMerge::new(lanes, functions, self.begin);
+        let merge = DepthMerge::new(lanes, functions, self.start_key);
         for row in 0..ROW {
             let first = first + row * SIDE;
             let Some((low, high, primitives)) = self.rays(first) else {
