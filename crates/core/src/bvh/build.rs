@@ -135,6 +135,7 @@ fn cluster(boxes: &[Box32]) -> Option<Bvh2> {
         SortPrecision::U64,
         rounds::SHORT_ROUNDS,
     );
+    // The parameters, here and above, are those of obvhs's `fast_build`.
     ReinsertionOptimizer::default().run(&mut bvh, 0.02, None);
     Some(bvh)
 }

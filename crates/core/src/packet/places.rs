@@ -77,14 +77,14 @@ const EXTENT: f64 = (SIDE - 1) as f64 - 2.0 * MARGIN;
 /// NaN.
 const FURTHEST: f64 = 1e50;
 
-/// How a rectangle of a panorama's rays is cast.
+/// Whether a rectangle of a panorama's rays fits one packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Span {
+pub(super) enum Fit {
     /// It contains no rays.
     Empty,
     /// Its rays span too wide an angle for one plane: it is split, or its rays are cast one by one.
     Wide,
-    /// As one packet.
+    /// It is cast as one packet.
     Packet,
 }
 
@@ -149,30 +149,30 @@ impl Places {
         lanes: impl Lanes,
         (camera, rays): (&Camera, &PanoramaRays),
         part: Rect,
-    ) -> Span {
+    ) -> Fit {
         self.columns = part.width;
         self.rows_of_rays = part.height;
         if !self.find_directions(rays, part) {
-            return Span::Empty;
+            return Fit::Empty;
         }
         // NaN fails this comparison.
         let eye = camera.placement().eye.abs();
         let is_near = rays.reach() <= FURTHEST && eye.cmple(DVec3::splat(FURTHEST)).all();
         if !is_near {
-            return Span::Wide;
+            return Fit::Wide;
         }
         if !(rays.are_through_a_lens() && self.take_tangents(camera)) {
             let Some(view) = self.view(camera) else {
-                return Span::Wide;
+                return Fit::Wide;
             };
             self.view = view;
             if !self.project(camera) {
-                return Span::Wide;
+                return Fit::Wide;
             }
         }
         self.scale();
         self.bound(lanes);
-        Span::Packet
+        Fit::Packet
     }
 
     /// Computes the directions of all rays, in the camera's axes. Returns whether there are any rays.

@@ -8,7 +8,7 @@ use crate::num::simd::{Lanes, Work};
 use crate::packet::frustum::Window;
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::{LARGE_SIDE, ROW, SIDE};
-use crate::packet::places::{Places, Span};
+use crate::packet::places::{Fit, Places};
 use crate::packet::ray_rect::RayRect;
 use crate::packet::traversal::Traversal;
 use glam::DVec3;
@@ -66,13 +66,13 @@ impl Work for FindAround<'_> {
                     continue;
                 }
                 match places.find(lanes, (camera, &rays), part.rect()) {
-                    Span::Empty => {}
-                    Span::Wide if part.columns.max(part.rows) > ROW as u32 => {
+                    Fit::Empty => {}
+                    Fit::Wide if part.columns.max(part.rows) > ROW as u32 => {
                         let half = part.columns.max(part.rows).div_ceil(2);
                         rest.extend(part.split(half));
                     }
-                    Span::Wide => find.cast_each(&part),
-                    Span::Packet => {
+                    Fit::Wide => find.cast_each(&part),
+                    Fit::Packet => {
                         if traversal.cast_at_places(lanes, &places, find.cull, &mut zbuffer) {
                             find.keep(&part, &mut zbuffer);
                         }
