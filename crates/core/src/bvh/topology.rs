@@ -13,7 +13,7 @@ use crate::scene::{Mesh, TreeTopology};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Triangles in one parallel task.
+/// Triangles in one parallel task. With fewer, starting a task takes longer than it saves; with more, threads idle.
 const CHUNK: usize = 1 << 14;
 
 impl TreeTopology {

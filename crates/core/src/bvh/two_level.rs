@@ -15,7 +15,9 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap, HashSet};
 use std::sync::{Arc, Weak};
 
-/// The most objects of a scene for which [`build`] is quick: the top-level tree takes about a microsecond an object.
+/// The most objects of a scene for which [`build`] is quick: the top-level tree takes about a microsecond an object. This
+/// limit and the next two keep it to some milliseconds: with higher ones a window that waits for it stalls, with lower
+/// ones more changes wait for a worker.
 const QUICK_OBJECTS: usize = 4096;
 
 /// The most new placements for which [`build`] is quick: finding the bounds of one takes some ten microseconds.

@@ -31,7 +31,8 @@ use glam::Vec3;
 /// The unit roundoff of double precision.
 const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// The error of places in single precision: of a ray's, or of a cell's centre and half of its extent.
+/// The error of places in single precision, 4u of the furthest: a place, a cell's centre and half of its extent are each
+/// rounded by u of at most [`REACH`], and one u is for higher orders.
 const PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
 
 /// The error of an order, as a share of the greatest |F| in the packet, up to which it is not computed again more

@@ -16,8 +16,9 @@
 //! Dividing by e_x moves a column by 6u of at most 2·[`SIDE`], less than [`SLACK`]; what lies further out stays
 //! outside.
 //!
-//! **What covers what.** Of the 24uP² rounding needs 18. The rest covers the rounding of relative corners, uP(|e_x| +
-//! |e_y|) ≤ 4uP². Divided by |e_x| ≤ 2P, with P ≥ [`SIDE`], it is 384u columns at least, which is what dividing takes.
+//! **What covers what.** Of the 24uP² rounding needs 18. The rest covers the rounding of relative corners once more,
+//! uP(|e_x| + |e_y|) ≤ 4uP². [`SLACK`] is for dividing alone; 24uP², divided by |e_x| ≤ 2P with P ≥ [`SIDE`], is as
+//! much as dividing takes, 384u columns.
 //! Where the area's sign is wrong, the area is less than 24uP², and so is every edge function inside: turned, none is
 //! below the bound.
 //!

@@ -122,7 +122,7 @@ pub(crate) fn plane_is_parallel(direction: DVec3, corners: [Vec3; 3]) -> bool {
 
 /// The longest coordinates, in bits, for which [`lies_in_plane`] fits 128-bit integers: differences are below
 /// 2^(L+1), their cross products below 2^(2L+3), and the determinant below 2^(3L+6).
-const SHORTEST: u32 = 40;
+const I128_BITS: u32 = 40;
 
 /// Whether a point lies in the plane of a triangle: det(b − a, c − a, p − a) is zero.
 pub(super) fn lies_in_plane(point: DVec3, corners: [Vec3; 3]) -> bool {
@@ -134,7 +134,7 @@ pub(super) fn lies_in_plane(point: DVec3, corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let points = [a, b, c, point];
     let lengths = Scale::of_vectors(&points);
-    if lengths.bits <= SHORTEST {
+    if lengths.bits <= I128_BITS {
         return of::<i128>(points, lengths);
     }
     sized!(lengths, Scale::of([]), of(points, lengths))

@@ -23,7 +23,7 @@ use crate::scene::CLIPPING_PLANES;
 use crate::triangle::clip::AtCorners;
 
 /// The unit roundoff of single precision.
-const U: f32 = f32::EPSILON / 2.0;
+const UNIT: f32 = f32::EPSILON / 2.0;
 
 /// An additional edge: the plane's values at the corners, and the bound on the error of their weighted sum.
 #[derive(Clone, Copy)]
@@ -57,7 +57,7 @@ impl Cut {
     fn new(at: &AtCorners, edge_error: f32) -> Self {
         let sum: f32 = at.values.iter().map(|value| value.abs()).sum();
         // A hundredth covers the rounding of the bound itself.
-        let error = 1.01 * (sum * (edge_error + 12.0 * U) + 6.0 * at.error);
+        let error = 1.01 * (sum * (edge_error + 12.0 * UNIT) + 6.0 * at.error);
         Self {
             values: at.values,
             error,
