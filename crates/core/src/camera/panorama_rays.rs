@@ -26,21 +26,21 @@ pub(crate) struct PanoramaRays {
     panorama: Panorama,
     /// The camera's right, up and forward unit vectors.
     axes: [[f64; 3]; 3],
-    columns: Places,
-    rows: Places,
+    columns: SidePlaces,
+    rows: SidePlaces,
 }
 
 /// The places along one side of the picture, in the unit of [`Panorama`]: one radian at the picture's middle. The
 /// last one is repeated, so that eight can be read at the end. Sines and cosines only where the panorama uses
 /// places as angles.
 #[derive(Default)]
-struct Places {
+struct SidePlaces {
     at: Vec<f64>,
     sin: Vec<f64>,
     cos: Vec<f64>,
 }
 
-impl Places {
+impl SidePlaces {
     fn new(at: Vec<f64>, has_angles: bool) -> Self {
         let mut all = Self {
             at,
@@ -89,14 +89,14 @@ impl PanoramaRays {
         Some(Self {
             panorama,
             axes: axes.map(|axis| axis.to_array()),
-            columns: Places::new((0..lattice.columns).map(across).collect(), has_longitudes),
-            rows: Places::new((0..lattice.rows).map(along).collect(), has_latitudes),
+            columns: SidePlaces::new((0..lattice.columns).map(across).collect(), has_longitudes),
+            rows: SidePlaces::new((0..lattice.rows).map(along).collect(), has_latitudes),
         })
     }
 
     /// The greatest magnitude of a place. NaN is skipped: such a place has no ray.
     pub(crate) fn reach(&self) -> f64 {
-        let ends = |places: &Places| [places.at.first().copied(), places.at.last().copied()];
+        let ends = |places: &SidePlaces| [places.at.first().copied(), places.at.last().copied()];
         let all = ends(&self.columns).into_iter().chain(ends(&self.rows));
         all.flatten().map(f64::abs).fold(0.0, f64::max)
     }
@@ -159,7 +159,7 @@ impl PanoramaRays {
 
     /// The cube face of a ray.
     pub(super) fn face(&self, column: u32, row: u32) -> Option<Face> {
-        let at = |places: &Places, index: u32| places.at.get(index as usize).copied();
+        let at = |places: &SidePlaces, index: u32| places.at.get(index as usize).copied();
         (self.panorama).face(at(&self.columns, column)?, at(&self.rows, row)?)
     }
 
@@ -323,8 +323,8 @@ impl PanoramaRays {
     #[inline(always)]
     fn places(&self, column: u32, row: u32) -> ([f64; LANES], f64) {
         (
-            Places::eight(&self.columns.at, column as usize),
-            Places::one(&self.rows.at, row as usize),
+            SidePlaces::eight(&self.columns.at, column as usize),
+            SidePlaces::one(&self.rows.at, row as usize),
         )
     }
 
@@ -332,8 +332,8 @@ impl PanoramaRays {
     #[inline(always)]
     fn around(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
         let (a, b) = self.places(column, row);
-        let sin = Places::eight(&self.columns.sin, column as usize);
-        let cos = Places::eight(&self.columns.cos, column as usize);
+        let sin = SidePlaces::eight(&self.columns.sin, column as usize);
+        let cos = SidePlaces::eight(&self.columns.cos, column as usize);
         if self.panorama == Panorama::Cylindrical {
             *out = [sin, [b; LANES], cos];
             return if b.is_finite() {
@@ -342,8 +342,8 @@ impl PanoramaRays {
                 0
             };
         }
-        let sin_b = Places::one(&self.rows.sin, row as usize);
-        let cos_b = Places::one(&self.rows.cos, row as usize);
+        let sin_b = SidePlaces::one(&self.rows.sin, row as usize);
+        let cos_b = SidePlaces::one(&self.rows.cos, row as usize);
         for lane in 0..LANES {
             out[0][lane] = sin[lane] * cos_b;
             out[1][lane] = sin_b;
@@ -370,7 +370,7 @@ impl PanoramaRays {
 /// Runs of places that lie within the same faces: the first index and the length of each. A place on a border lies
 /// within two faces and belongs to the first in the list, as in [`Panorama::direction`]. It must not join its
 /// neighbours' run: the adjacent face in the picture may look another way.
-fn spans_of_faces(places: &Places, middles: [f64; 6]) -> Vec<(u32, u32)> {
+fn spans_of_faces(places: &SidePlaces, middles: [f64; 6]) -> Vec<(u32, u32)> {
     let beside = |at: f64| middles.map(|middle| (at - middle).abs() <= 1.0);
     let at = &places.at[..places.at.len() - LANES];
     let spans = at.chunk_by(|&one, &next| beside(one) == beside(next));
