@@ -159,8 +159,8 @@ impl GroundLines {
             let is_known = (squared > FINEST) & (place.abs() < FURTHEST);
             is_close |= !((is_beside | is_faded) & is_known);
         }
-        // `along` may be NaN.
-        !(along <= 0.0) & is_close
+        // Nothing is known where it is NaN.
+        (along > 0.0 || along.is_nan()) & is_close
     }
 
     /// How the ray through (x, y) is seen to meet the ground.

@@ -9,11 +9,12 @@
 //! triangles from one another, while two parameters of hits must first be known to the last digit to be compared.
 //!
 //! # Error bounds
-//! ε = 2⁻⁵³. All bounds are to first order in ε; 8 is more than the higher orders need.
+//! ε = 2⁻⁵³.
 //!
 //! Edges are off by ε of themselves, a product of two by 3ε, a component of n by 4εp, p being the sum of its two products'
-//! magnitudes. bₖ − a is off by ε of itself, a sum of three products by 3ε: sₖ is off by less than 8εΣp|bₖ − a|, and so is
-//! n·d by 8εΣp|d|. A vector that is off by η more adds ηΣp.
+//! magnitudes. bₖ − a is off by ε of itself, a sum of three products by 3ε: to first order sₖ is off by 8εΣp|bₖ − a|. The
+//! bound is 9εΣp|bₖ − a|: one ε more for higher orders and for the rounding of p. That of n·d is 9εΣp|d|; a vector that is off
+//! by η more adds ηΣp.
 
 use super::Nearest;
 use super::componentwise::{Determinant, plane_distance};
@@ -93,7 +94,7 @@ impl Plane {
     /// The bound on the error of a product with the normal.
     #[inline(always)]
     fn error(&self, factors: DVec3) -> f64 {
-        8.0 * EPSILON * self.magnitude.dot(factors)
+        9.0 * EPSILON * self.magnitude.dot(factors)
     }
 
     /// On which side of the plane a triangle's hit lies: 1.0 where the normal points to, or −1.0. `None` where that is
