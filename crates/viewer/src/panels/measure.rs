@@ -24,8 +24,8 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         let hint = "Points jump to a triangle's vertex that is near the cursor";
         let snaps = tick(ui, measuring.snaps, "Snap to vertices", hint);
         out.extend(snaps.map(Command::SetSnaps));
-        if let Some(tool) = measuring.tool {
-            ui.weak(tool.hint());
+        if let Some(hint) = measuring.hint() {
+            ui.weak(hint);
         }
         for (number, measurement) in measuring.list.iter().enumerate() {
             measured(ui, number, measurement, &lengths, out);

@@ -35,8 +35,8 @@ fn under_cursor(state: &State) -> String {
             "Walk: W A S D go, E Q up and down, a drag looks around, the wheel changes speed";
         return format!("{hint}. Esc ends");
     }
-    if let Some(tool) = state.measuring.tool {
-        return format!("{}: {}. Esc ends", tool.name(), tool.hint());
+    if let Some((tool, hint)) = state.measuring.tool.zip(state.measuring.hint()) {
+        return format!("{}: {hint}. Esc ends", tool.name());
     }
     if let Some(points) = &state.cutting {
         return format!("Cut: {}. Esc ends", super::cut::points_left(points));

@@ -45,13 +45,19 @@ impl Kind {
         }
     }
 
-    /// An instruction for the user.
-    pub fn hint(self) -> &'static str {
-        match self {
-            Self::Distance => "Click two points",
-            Self::Angle => "Click three points: the angle is at the second",
-            Self::Path => "Click points; Enter or a double-click ends the path",
-            Self::Radius => "Click three points of the circle",
+    /// An instruction for the user, after so many points.
+    fn hint(self, points: usize) -> &'static str {
+        match (self, points) {
+            (Self::Distance, 0) => "Click two points",
+            (Self::Distance, _) => "Click the second point",
+            (Self::Angle, 0) => "Click three points: the angle is at the second",
+            (Self::Angle, 1) => "Click the second point, at which the angle is",
+            (Self::Radius, 0) => "Click three points of the circle",
+            (Self::Radius, 1) => "Click the second of three points",
+            (Self::Angle | Self::Radius, _) => "Click the third point",
+            (Self::Path, 0) => "Click points; Enter or a double-click ends the path",
+            (Self::Path, 1) => "Click the next point",
+            (Self::Path, _) => "Click the next point; Enter or a double-click ends the path",
         }
     }
 }
@@ -150,6 +156,11 @@ impl Default for Measuring {
 }
 
 impl Measuring {
+    /// An instruction for the next click, while a tool is in use.
+    pub fn hint(&self) -> Option<&'static str> {
+        Some(self.tool?.hint(self.points.len()))
+    }
+
     /// All measurements as comma-separated values, one a line, numbers with all their digits. Points are in the scene's
     /// coordinates.
     pub fn csv(&self, lengths: &Lengths) -> String {
@@ -294,6 +305,7 @@ mod tests {
         for point in [DVec3::ZERO, DVec3::ZERO, DVec3::X, DVec3::Y] {
             measuring.add(point);
         }
+        assert_eq!(measuring.hint(), Some("Click the second point"));
         assert_eq!(measuring.list.len(), 1, "the same place twice is one point");
         assert_eq!(measuring.points, [DVec3::Y], "the next has begun");
         measuring.tool = Some(Kind::Path);

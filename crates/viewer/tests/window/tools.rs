@@ -138,6 +138,9 @@ fn a_distance_is_measured_by_two_clicks_and_copied() {
             });
         }
         harness.run();
+        if harness.state().state.measuring.list.is_empty() {
+            harness.get_by_label("Click the second point");
+        }
     }
     let measuring = &harness.state().state.measuring;
     assert_eq!(measuring.list.len(), 1, "{measuring:?}");
