@@ -11,18 +11,29 @@ use egui::{Align, Label, Layout, RichText, Ui};
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let colors = theme::colors(ui);
-        let (text, color, hint) = progress(state, status, colors);
-        // In a narrow window instructions come before the progress.
-        let is_led = state.walk.is_some() || state.measuring.tool.is_some() || state.cutting.is_some();
-        if !is_led || ui.available_width() > 760.0 {
+        let under_cursor = under_cursor(state);
+        let (parts, color, hint) = progress(state, status, colors);
+        // In a narrow window values and instructions come before the progress.
+        let room = ui.available_width() - width(ui, &under_cursor) - 2.0 * ui.spacing().item_spacing.x;
+        let texts = (1..=parts.len()).rev().map(|count| parts[..count].join("   "));
+        if let Some(text) = texts.into_iter().find(|text| width(ui, text) <= room) {
             ui.label(RichText::new(text).color(color)).on_hover_text(hint);
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let hint = "What the ray under the cursor meets: t is the distance, u and v the weights of the triangle's second and third corners";
-            ui.add(Label::new(RichText::new(under_cursor(state)).color(colors.quiet)).truncate())
+            ui.add(Label::new(RichText::new(under_cursor).color(colors.quiet)).truncate())
                 .on_hover_text(hint);
         });
     });
+}
+
+/// The width of a line of text, in points.
+fn width(ui: &Ui, text: &str) -> f32 {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let line = ui
+        .painter()
+        .layout_no_wrap(text.to_owned(), font, ui.visuals().text_color());
+    line.size().x
 }
 
 /// The hit of the ray under the cursor, or an instruction, in words.
@@ -70,31 +81,31 @@ fn under_cursor(state: &State) -> String {
     }
 }
 
+/// The picture's progress: its parts, the most important first.
 fn progress(
     state: &State,
     status: &Status,
     colors: &theme::Colors,
-) -> (String, egui::Color32, &'static str) {
+) -> (Vec<String>, egui::Color32, &'static str) {
     let progress = status.progress;
     match progress.report {
-        _ if state.document.is_none() => (String::new(), colors.quiet, ""),
+        _ if state.document.is_none() => (Vec::new(), colors.quiet, ""),
         Some(report) if progress.complete => (
-            format!(
-                "{}   {} rays   {}",
+            vec![
                 pass_name(report.pass),
-                format::count(progress.rays),
+                format!("{} rays", format::count(progress.rays)),
                 format::rate(report.stats.rays, report.time),
-            ),
+            ],
             colors.done,
             "The full picture: its last pass, rays cast for it, speed of that pass",
         ),
         Some(report) => (
-            format!("{}…", pass_name(report.pass)),
+            vec![format!("{}…", pass_name(report.pass))],
             colors.accent,
             "The picture is getting finer",
         ),
         None => (
-            "first rays…".to_owned(),
+            vec!["first rays…".to_owned()],
             colors.accent,
             "The picture is under way",
         ),

@@ -1,13 +1,17 @@
 //! The look, the picture and its tiles.
 
-use crate::bench::{click, open};
+use crate::bench::{click, open, open_two};
 use egui::{Key, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use raycast_core::camera::{FrameLock, Grid};
+use raycast_core::glam::DVec3;
+use raycast_core::render::{Pass, TileStats};
 use raycast_core::shade::Mode;
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::{Resolution, Tint};
 use raycast_viewer::ui::modes::MODES;
+use raycast_viewer::worker::outbox::PassReport;
+use std::time::Duration;
 
 #[test]
 fn a_click_on_wireframe_asks_for_lines_and_another_for_none() {
@@ -108,4 +112,49 @@ fn the_panel_makes_room_for_the_picture() {
     let after = harness.state().state.viewport.0;
     assert!(after > before + 200, "{before} {after}");
     assert!(harness.query_by_label("Wireframe").is_none());
+}
+
+#[test]
+fn in_a_narrow_window_the_values_under_the_cursor_come_before_the_progress() {
+    let mut harness = open_two();
+    harness.key_press(Key::Num1);
+    harness.key_press(Key::F);
+    harness.run();
+    let bench = harness.state_mut();
+    bench.status.progress.complete = true;
+    bench.status.progress.report = Some(PassReport {
+        pass: Pass {
+            stride: 1,
+            samples: 16,
+        },
+        stats: TileStats::default(),
+        time: Duration::from_millis(20),
+    });
+    let whole = "16 samples a pixel   0 rays   0.00 krays/s";
+    for (width, hovers, shown) in [
+        (1280.0, true, Some(whole)),
+        (640.0, false, Some(whole)),
+        (530.0, false, Some("16 samples a pixel")),
+        (640.0, true, None),
+    ] {
+        harness.set_size(egui::vec2(width, 400.0));
+        harness.run();
+        let picture = harness.get_by_label("The picture").rect();
+        harness.event(egui::Event::PointerGone);
+        if hovers {
+            let camera = harness.state().state.camera().expect("a camera");
+            let place = camera.project(DVec3::new(0.3, 0.3, 0.0));
+            let (x, y) = place.expect("in front");
+            let at = picture.min + egui::vec2(x as f32, y as f32);
+            harness.event(egui::Event::PointerMoved(at));
+        }
+        harness.run();
+        for text in [whole, "16 samples a pixel"] {
+            let is_shown = harness.query_by_label(text).is_some();
+            assert_eq!(is_shown, shown == Some(text), "{width} {hovers}: {text}");
+        }
+        for node in harness.query_all_by_label_contains("triangle 0   t") {
+            assert!(node.rect().right() <= picture.right());
+        }
+    }
 }
