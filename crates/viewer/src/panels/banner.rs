@@ -333,7 +333,12 @@ fn question(ui: &mut Ui, replacing: &Replacing, out: &mut Commands) {
             if ui.button("Replace it").clicked() {
                 out.push(Command::Replace);
             }
-            if ui.button("Keep it").on_hover_text("Close (Esc)").clicked() {
+            let keep = ui.button("Keep it").on_hover_text("Close (Esc)");
+            // Enter on a question that has just appeared does no harm; Shift+Tab or an arrow leads to the other answer.
+            if ui.memory(|memory| memory.focused().is_none()) {
+                keep.request_focus();
+            }
+            if keep.clicked() {
                 out.push(Command::Dismiss);
             }
         });

@@ -181,3 +181,29 @@ fn files_that_are_held_over_the_window_are_told_what_a_drop_does() {
     held(2, Modifiers::SHIFT, "Drop to add the files to what is open");
     held(0, Modifiers::NONE, opens);
 }
+
+#[test]
+fn the_question_about_replacing_a_file_is_answered_by_keys() {
+    let mut harness = open_two();
+    let ask = || Replacing {
+        path: PathBuf::from("a.png"),
+        by: PromptKind::Picture,
+    };
+    for (to_replace, effects) in [(false, 0), (true, 1)] {
+        harness.state_mut().state.replacing = Some(ask());
+        harness.run();
+        if to_replace {
+            harness.key_press_modifiers(Modifiers::SHIFT, Key::Tab);
+            harness.run();
+        }
+        harness.key_press(Key::Enter);
+        harness.run();
+        assert!(harness.state().state.replacing.is_none());
+        assert_eq!(harness.state().effects.len(), effects);
+    }
+    let replaces = Effect::SavePicture {
+        path: PathBuf::from("a.png"),
+        replace: true,
+    };
+    assert_eq!(harness.state().effects, [replaces]);
+}
