@@ -155,7 +155,11 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                 })
             });
         }
-        News::PictureSaved(path) => state.tell(format!("Saved {}", path.display())),
+        News::PictureSaved(path) => {
+            // A bare name is in the folder that the program was started in, which nobody sees.
+            let path = std::path::absolute(&path).unwrap_or(path);
+            state.tell(format!("Saved {}", path.display()));
+        }
         News::SceneSaved(path, revision) => {
             state.tell(format!("Saved {}", path.display()));
             state.history.saved(revision);
@@ -170,6 +174,11 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             }
             state.preferences.remember(&path);
             let pending = state.after_saving.take()?;
+            // What was changed while the file was being written is not in it.
+            if state.has_unsaved() {
+                state.question = Some(pending);
+                return None;
+            }
             return files::proceed(state, pending);
         }
         News::Taken(replacing) => state.replacing = Some(replacing),

@@ -234,6 +234,44 @@ fn what_was_changed_while_it_was_saved_is_not_saved() {
 }
 
 #[test]
+fn what_was_changed_while_it_was_saved_is_asked_about_before_it_would_be_lost() {
+    for pending in [Pending::Open, Pending::Close] {
+        let mut state = opened(1);
+        update(&mut state, Command::Rename(0, "lid".to_owned()));
+        match pending {
+            Pending::Open => receive(&mut state, other(), Duration::ZERO),
+            _ => update(&mut state, Command::Close),
+        };
+        update(&mut state, Command::Answer(Answer::Save));
+        let revision = state.history.revision();
+        update(&mut state, Command::Rename(0, "cap".to_owned()));
+        let saved = News::SceneSaved("a.raycast.toml".into(), revision);
+        assert_eq!(receive(&mut state, saved, Duration::ZERO), None);
+        assert_eq!(state.question, Some(pending));
+        assert_eq!(names(&state), ["cap"]);
+        // The second answer goes on with what waited.
+        let effect = update(&mut state, Command::Answer(Answer::Discard));
+        match pending {
+            Pending::Open => assert_eq!(names(&state).len(), 3),
+            _ => assert_eq!(effect, Some(Effect::Close)),
+        }
+    }
+}
+
+#[test]
+fn a_saved_pictures_whole_path_is_told() {
+    let mut state = opened(1);
+    receive(
+        &mut state,
+        News::PictureSaved("a.png".into()),
+        Duration::ZERO,
+    );
+    let path = std::env::current_dir().expect("a folder").join("a.png");
+    let told = format!("Saved {}", path.display());
+    assert_eq!(state.toasts.last().map(|toast| &toast.text), Some(&told));
+}
+
+#[test]
 fn a_wrong_path_can_be_mended() {
     let mut state = opened(1);
     update(&mut state, Command::Ask(PromptKind::Open));
