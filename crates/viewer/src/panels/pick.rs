@@ -245,7 +245,8 @@ fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
         ));
     }
     if let Some(color) = state.color(pinned) {
-        let hint = "The surface's own color there, without light and texture";
+        let hint =
+            "The surface's own color there, on the side that is seen, without light and texture";
         values.push(value("Color", hint, color.to_string(), color.to_string()));
     }
     values

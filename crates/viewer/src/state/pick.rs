@@ -96,7 +96,15 @@ impl State {
     pub fn color(&self, pinned: &Pinned) -> Option<Color> {
         let scene = &self.document.as_ref()?.built;
         let shading = &self.settings.shading;
-        own_color(scene, &self.camera()?, shading, &pinned.pick.hit)
+        let camera = self.camera()?;
+        let along = match camera.projection().is_parallel() {
+            true => camera.forward(),
+            false => pinned.pick.point - camera.placement().eye,
+        };
+        match shading.back_faces {
+            Some(color) if pinned.normal.dot(along) > 0.0 => Some(color),
+            _ => own_color(scene, &camera, shading, &pinned.pick.hit),
+        }
     }
 
     /// The texel at a pick under the present texture mapping; `None` where there is no image.

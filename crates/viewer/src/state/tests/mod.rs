@@ -150,6 +150,25 @@ fn a_picks_color_is_its_rules_in_the_present_settings() {
 }
 
 #[test]
+fn a_picks_color_on_the_back_is_that_of_back_faces() {
+    let mut state = opened(1);
+    let red = Color([200, 0, 0]);
+    state.settings.shading.back_faces = Some(red);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        update(&mut state, Command::SetProjection(projection));
+        for (view, is_back) in [(StandardView::Front, false), (StandardView::Back, true)] {
+            do_all(&mut state, [Command::Look(view), Command::Fit]);
+            let camera = state.camera().expect("a camera");
+            let at = camera.project(DVec3::new(0.25, 0.25, 0.0));
+            let at = at.expect("in front");
+            update(&mut state, Command::Pin { at, beside: false });
+            let pinned = state.picks.current().expect("a triangle");
+            assert_eq!(state.color(pinned) == Some(red), is_back, "{projection:?}");
+        }
+    }
+}
+
+#[test]
 fn what_a_scene_file_says_of_its_picture_is_shown_and_saved() {
     let image = ImageSettings {
         size: Some((320, 240)),
