@@ -89,6 +89,7 @@ impl History {
     ) {
         let goes_on = self.last.zip(kind).is_some_and(|((last, when), kind)| {
             last == kind
+                && self.undo_name() == Some(name)
                 && now < when + PAUSE
                 && self.redo.is_empty()
                 && self.revision != self.saved

@@ -2,6 +2,7 @@
 
 use super::State;
 use super::effect::Effect;
+use super::handle::Tool;
 use super::history::Snapshot;
 use super::picks::Picks;
 use super::renumbering;
@@ -10,6 +11,7 @@ use raycast_core::camera::{DEFAULT_FOV, Placement};
 use raycast_core::glam::DVec3;
 use raycast_core::ranges;
 use raycast_core::scene::{Object, Photograph, Scene, Texture, Transform};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Edits a copy of the list of objects, with the meshes shared; requests a tree where the old one is no longer valid.
@@ -223,10 +225,47 @@ pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     let before = Arc::clone(&state.document.as_ref()?.scene);
     let number = |old| renumbering::number_after(&before.objects, &to.scene.objects, old);
     state.selected = state.selected.and_then(number);
+    if let Some(back) = come_back(&before.objects, &to.scene.objects) {
+        state.selected = Some(back);
+    }
     let picks = std::mem::take(&mut state.picks);
     let effect = set_scene(state, Arc::clone(&to.scene));
     renumbering::follow_picks(state, picks, number);
     effect
+}
+
+/// The first object of the list `after` that is not in the list `before`, if that is shorter: one that a step of the
+/// history brings back, before its descendants.
+fn come_back(before: &[Object], after: &[Object]) -> Option<usize> {
+    let count = after
+        .len()
+        .checked_sub(before.len())
+        .filter(|&count| count > 0)?;
+    let key = |object: &Object| (Arc::as_ptr(&object.mesh), object.name.clone());
+    let mut here: HashMap<_, usize> = HashMap::new();
+    before
+        .iter()
+        .for_each(|object| *here.entry(key(object)).or_default() += 1);
+    let mut new = Vec::with_capacity(count);
+    for (number, object) in after.iter().enumerate() {
+        match here.get_mut(&key(object)) {
+            Some(left) if *left > 0 => *left -= 1,
+            _ => new.push(number),
+        }
+    }
+    let is_first = |&&number: &&usize| after[number].parent.is_none_or(|p| !new.contains(&p));
+    new.iter().find(is_first).copied()
+}
+
+/// The name of the step that gives an object this transform.
+pub(super) fn step_to(state: &State, which: usize, to: &Transform) -> Option<&'static str> {
+    let from = state.document.as_ref()?.scene.objects.get(which)?.transform;
+    let tool = match to {
+        _ if to.scale != from.scale => Tool::Scale,
+        _ if to.rotate != from.rotate => Tool::Turn,
+        _ => Tool::Move,
+    };
+    Some(tool.name())
 }
 
 /// Isolates an object; shows all if it is isolated already.

@@ -30,6 +30,10 @@ pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     };
     let kind: Option<history::Continued> =
         goes_on.then(|| (std::mem::discriminant(&command), command.object()));
+    let name = match &command {
+        Command::SetTransform(object, to) => objects::step_to(state, *object, to).unwrap_or(name),
+        _ => name,
+    };
     let before = state.snapshot();
     let effect = carry_out(state, command);
     let now = state.now;

@@ -468,9 +468,10 @@ fn objects_are_renamed_duplicated_and_deleted_and_all_of_it_is_undone() {
     assert_eq!(document(&state).accel.len(), 4, "the copy stands beside it");
     update(&mut state, Command::Delete(2));
     assert_eq!(names(&state), ["lid", "lid copy"], "and what moves with it");
-    for expected in [4, 3] {
+    for (expected, selected) in [(4, Some(2)), (3, Some(1))] {
         update(&mut state, Command::Undo);
         assert_eq!(names(&state).len(), expected);
+        assert_eq!(state.selected, selected, "what comes back is marked");
     }
     update(&mut state, Command::Undo);
     assert_eq!(names(&state)[0], "object 0");
@@ -487,6 +488,27 @@ fn objects_are_renamed_duplicated_and_deleted_and_all_of_it_is_undone() {
         None,
         "what changes nothing is no step"
     );
+}
+
+#[test]
+fn undo_names_what_was_typed() {
+    let mut state = opened(1);
+    let mut transform = Transform::IDENTITY;
+    let mut steps = Vec::new();
+    for change in [
+        |t: &mut Transform| t.translate.x = 1.0,
+        |t: &mut Transform| t.rotate.y = 30.0,
+        |t: &mut Transform| t.scale.z = 2.0,
+    ] {
+        change(&mut transform);
+        update(&mut state, Command::SetTransform(0, transform));
+        steps.extend(state.history.undo_name());
+    }
+    assert_eq!(steps, ["Move", "Turn", "Scale"]);
+    for _ in 0..3 {
+        update(&mut state, Command::Undo);
+    }
+    assert!(!state.history.is_changed(), "three steps");
 }
 
 #[test]
