@@ -25,7 +25,10 @@ const ADD: [(&str, &str); 5] = [
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     // A plane may be added from menus and the palette, too: the part opens to show its controls.
     let count = state.settings.clip.all().len() + usize::from(state.cutting.is_some());
-    let is_new = changed_from(ui, "planes", count, 0).is_some_and(|last| last < count);
+    // Not for the planes of a scene that is opened: the list of objects would be scrolled out of view.
+    let (scenes, before) = (state.scenes, (0, 0));
+    let is_new = changed_from(ui, "planes", (scenes, count), before)
+        .is_some_and(|(scene, last)| scene == scenes && last < count);
     section_that_opens(ui, (Icon::Scissors, "Cut"), false, is_new, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;

@@ -6,11 +6,15 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
+use raycast_core::scene::{ClippingPlane, ClippingPlanes};
+use raycast_viewer::state::arrival::Loaded;
 use raycast_viewer::state::command::Command;
+use raycast_viewer::state::cut::PlaneBy;
 use raycast_viewer::state::effect::Effect;
 use raycast_viewer::state::inspection::Checked;
 use raycast_viewer::state::measure::{Kind, Measurement};
 use raycast_viewer::state::news::{News, receive};
+use raycast_viewer::state::update::update;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -297,4 +301,32 @@ fn parts_of_the_panel_open_when_their_tool_is_begun_elsewhere() {
     palette(&mut harness, "Cut through three points");
     harness.get_by_label(across);
     harness.get_by_label("Cut: Click 3 more points of the plane. Esc ends");
+}
+
+#[test]
+fn a_scene_with_clipping_planes_opens_at_the_top_of_the_panel() {
+    let mut harness = open_two();
+    let shows_planes = |harness: &Harness<'_, Bench>| {
+        let offset = harness.query_by_label("Offset of clipping plane 1");
+        offset.is_some()
+    };
+    let state = &mut harness.state_mut().state;
+    let document = state.document.clone().expect("a scene");
+    let clip = ClippingPlanes::new(&[ClippingPlane {
+        normal: DVec3::X,
+        offset: 0.5,
+        enabled: true,
+    }]);
+    let loaded = Loaded {
+        clip: clip.expect("one plane"),
+        ..Loaded::new(document)
+    };
+    receive(state, News::Loaded(Box::new(loaded)), Duration::ZERO);
+    harness.run();
+    assert_eq!(harness.state().state.settings.clip.all().len(), 1);
+    assert!(!shows_planes(&harness));
+    let add = Command::AddPlane(PlaneBy::Axis(1));
+    update(&mut harness.state_mut().state, add);
+    harness.run();
+    assert!(shows_planes(&harness));
 }
