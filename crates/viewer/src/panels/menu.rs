@@ -4,7 +4,7 @@ use super::Commands;
 use super::widgets::item;
 use crate::state::State;
 use crate::state::command::Command;
-use crate::ui::registry::{Menu, actions};
+use crate::ui::registry::{Action, Menu, actions};
 use egui::{Button, MenuBar, Ui};
 use raycast_report::cases::{self, CaseTheme};
 
@@ -14,7 +14,8 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         for menu in Menu::ALL {
             ui.menu_button(menu.name(), |ui| {
                 ui.set_min_width(190.0);
-                for action in actions().filter(|action| action.menu == menu) {
+                let own = |action: &&Action| action.menu == menu && !is_part(action);
+                for action in actions().filter(own) {
                     if action.is_first_of_group {
                         ui.separator();
                     }
@@ -22,10 +23,24 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                     match action.id {
                         "file.add" => recent(ui, state, out),
                         "file.watch" => hard_cases(ui, out),
+                        "window.panel" => parts(ui, state, out),
                         _ => {}
                     }
                 }
             });
+        }
+    });
+}
+
+fn is_part(action: &Action) -> bool {
+    action.id.starts_with("panel.")
+}
+
+/// The panel's parts.
+fn parts(ui: &mut Ui, state: &State, out: &mut Commands) {
+    ui.menu_button("Part of the panel", |ui| {
+        for action in actions().filter(|action| is_part(action)) {
+            item(ui, state, action, out);
         }
     });
 }

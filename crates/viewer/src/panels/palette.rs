@@ -5,13 +5,19 @@ use crate::state::command::Command;
 use crate::state::{Palette, State};
 use crate::ui::registry::{self, Action, Keymap};
 use crate::ui::theme;
-use egui::{Align2, Area, Button, Frame, Id, Key, Order, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{
+    Align2, Area, Button, Frame, Id, Key, Order, Popup, RichText, ScrollArea, TextEdit, Ui, vec2,
+};
 
 /// Shows it over the window, if it is open.
 pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
     let Some(palette) = &state.palette else {
         return;
     };
+    // A list that is open would be over it.
+    if context.read_response(Id::unique("palette")).is_none() {
+        Popup::close_all(context);
+    }
     let window = context.content_rect();
     let width = (window.width() - 40.0).min(460.0);
     Area::new(Id::unique("palette area"))

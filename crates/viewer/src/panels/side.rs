@@ -1,10 +1,12 @@
 //! The side panel: everyday parts first; parts for experts are closed at first.
 
+use super::widgets::{changed_from, open_part};
 use super::{
     Commands, Status, camera, cut, health, look, measure, objects, pick, picture, render, surface,
     tiles,
 };
 use crate::state::State;
+use crate::state::part::Part;
 use egui::{ScrollArea, Ui};
 
 /// The panel's width, in points.
@@ -12,6 +14,10 @@ pub(super) const WIDTH: f32 = 288.0;
 
 /// Shows it.
 pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Commands) {
+    let asked = changed_from(ui, "part", state.part, Default::default());
+    if asked.is_some() {
+        open_part(ui, state.part.0.map(Part::title));
+    }
     ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {
@@ -27,4 +33,5 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
             tiles::show(ui, state, status, out);
             render::show(ui, state, status, out);
         });
+    open_part(ui, None);
 }

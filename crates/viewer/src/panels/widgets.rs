@@ -53,6 +53,13 @@ pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
     field.store(context, id);
 }
 
+/// Opens the part of the panel with this title when it is shown next.
+pub(super) fn open_part(ui: &Ui, title: Option<&'static str>) {
+    ui.data_mut(|data| data.insert_temp(Id::unique(TO_OPEN), title));
+}
+
+const TO_OPEN: &str = "part to open";
+
 /// A collapsible part of the panel.
 pub(super) fn section(
     ui: &mut Ui,
@@ -72,6 +79,11 @@ pub(super) fn section_that_opens(
     body: impl FnOnce(&mut Ui),
 ) {
     ui.add(egui::Separator::default().spacing(2.0));
+    let to_open = Id::unique(TO_OPEN);
+    let asked: Option<&str> = ui.data(|data| data.get_temp(to_open)).flatten();
+    // Titles may go on with a count.
+    let is_asked = asked.is_some_and(|asked| title.starts_with(asked));
+    let is_new = is_new || is_asked;
     if is_new {
         ui.scroll_to_cursor(Some(egui::Align::Min));
     }
@@ -93,6 +105,9 @@ pub(super) fn section_that_opens(
             ui.add_space(1.0);
         })
         .header_response;
+    if is_asked {
+        header.request_focus();
+    }
     ui.spacing_mut().indent = indent;
     let center = header.rect.left_center() + vec2(indent + ICON_WIDTH * 0.5, 0.0);
     let color = theme::colors(ui).quiet;

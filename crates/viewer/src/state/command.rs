@@ -5,6 +5,7 @@ use super::handle::{Handle, Tool};
 use super::insertion::Insertion;
 use super::inspection::Shown;
 use super::measure::Kind;
+use super::part::Part;
 use super::preferences::{Mouse, Theme};
 use super::turn::Turning;
 use super::viewpoint::StandardView;
@@ -342,6 +343,8 @@ pub enum Command {
 
     /// Show or hide the side panel.
     TogglePanel,
+    /// Open a part of the side panel, and bring it into view.
+    OpenPart(Part),
     /// Show or hide the help.
     ToggleHelp,
     /// Open the key bindings file in the desktop's editor.

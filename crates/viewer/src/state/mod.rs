@@ -30,6 +30,7 @@ mod navigate;
 pub mod news;
 mod objects;
 pub mod parents;
+pub mod part;
 pub mod pick;
 pub mod picks;
 mod plane;
@@ -203,6 +204,8 @@ pub struct State {
     pub limits: Limits,
     /// Whether the side panel is open.
     pub panel: bool,
+    /// The part of it that was asked for last, and how often one was.
+    pub part: (Option<part::Part>, u64),
     /// The user's preferences.
     pub preferences: Preferences,
 }
@@ -263,6 +266,7 @@ impl Default for State {
             threads: default_threads(),
             limits: Limits::default(),
             panel: true,
+            part: (None, 0),
             preferences: Preferences::default(),
         }
     }

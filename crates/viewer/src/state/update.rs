@@ -370,6 +370,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetWatch(on) => state.preferences.watch = on,
 
         Command::TogglePanel => state.panel = !state.panel,
+        Command::OpenPart(part) => {
+            state.panel = true;
+            state.part = (Some(part), state.part.1 + 1);
+        }
         Command::ToggleHelp => state.help = !state.help,
         Command::OpenKeysFile => return Some(Effect::OpenKeysFile),
         Command::ReloadKeys => return Some(Effect::ReadKeysFile),

@@ -67,13 +67,17 @@ pub fn pressed(
     (action.applies)(state).then(|| (action.command)(state))
 }
 
-/// Actions whose names contain every word of `text`; those that begin with it come first.
+/// Actions whose names, descriptions or other words contain every word of `text`; those whose names begin with it come
+/// first.
 pub fn found(text: &str) -> Vec<&'static Action> {
     let text = text.trim().to_lowercase();
     let words: Vec<_> = text.split_whitespace().collect();
     let mut found: Vec<_> = actions()
         .filter(|action| {
-            let name = format!("{} {} {}", action.menu.name(), action.name, action.does);
+            let Action {
+                menu, name, does, ..
+            } = action;
+            let name = format!("{} {name} {does} {}", menu.name(), action.words);
             let name = name.to_lowercase();
             words.iter().all(|word| name.contains(word))
         })
@@ -187,5 +191,20 @@ mod tests {
         assert_eq!(found("save pic")[0].id, "file.picture");
         assert_eq!(found("").len(), actions().count());
         assert!(found("no such thing").is_empty());
+        // Words of other programs, and of the manual.
+        for (text, id) in [
+            ("bookmark", "view.bookmark"),
+            ("health", "tools.check"),
+            ("screenshot", "file.picture"),
+            ("interface scale", "window.larger"),
+            ("fisheye", "panel.picture"),
+            ("resolution", "panel.picture"),
+            ("transparent", "panel.look"),
+            ("threads", "panel.rendering"),
+            ("fly", "view.walk"),
+        ] {
+            let found = found(text);
+            assert!(found.iter().any(|action| action.id == id), "{text}");
+        }
     }
 }

@@ -107,6 +107,34 @@ fn the_palette_finds_a_command_and_runs_it() {
 }
 
 #[test]
+fn the_palette_opens_a_part_of_the_panel_and_leads_the_keyboard_there() {
+    let mut harness = open_two();
+    harness.state_mut().state.panel = false;
+    harness.run();
+    assert!(harness.query_by_label("Projection").is_none());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    harness.event(egui::Event::Text("fisheye".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    // A list that is open closes.
+    click(&mut harness, "Projection");
+    harness.get_by_label("Fisheye");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    assert!(harness.query_by_label("Fisheye").is_none());
+    harness.event(egui::Event::Text("panel: picture".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert!(harness.get_by_label("Picture").is_focused());
+    // Once: the part can be closed again.
+    harness.key_press(Key::Space);
+    harness.run();
+    assert!(harness.query_by_label("Projection").is_none());
+}
+
+#[test]
 fn what_has_the_keyboard_can_be_reached_and_seen() {
     let mut harness = open_two();
     for _ in 0..3 {

@@ -61,6 +61,8 @@ pub struct Action {
     pub name: &'static str,
     /// Its description, for tooltips and help.
     pub does: &'static str,
+    /// Other words for it, by which it is found.
+    pub words: &'static str,
     /// Its default keys, which the key bindings file may change.
     pub keys: &'static [Chord],
     /// Its menu.
@@ -88,6 +90,7 @@ impl Action {
             id,
             name,
             does,
+            words: "",
             keys,
             menu,
             is_first_of_group: false,
@@ -106,6 +109,10 @@ impl Action {
             is_on: Some(is_on),
             ..self
         }
+    }
+
+    pub(super) const fn also(self, words: &'static str) -> Self {
+        Self { words, ..self }
     }
 
     pub(super) const fn apart(self) -> Self {

@@ -89,6 +89,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::E), plain(Key::S)],
         |_| Command::Ask(PromptKind::Picture),
     )
+    .also("screenshot export image render")
     .when(has_scene),
     Action::of(
         Menu::File,

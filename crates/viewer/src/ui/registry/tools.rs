@@ -148,6 +148,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |_| Command::Check { deep: false },
     )
+    .also("health manifold holes watertight")
     .when(has_scene)
     .apart(),
     Action::of(

@@ -35,6 +35,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::F), plain(Key::Home)],
         |_| Command::Fit,
     )
+    .also("frame all center")
     .when(has_scene),
     Action::of(
         Menu::View,
@@ -71,6 +72,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[shift(Key::W)],
         |state| Command::SetWalk(state.walk.is_none()),
     )
+    .also("fly first person interior")
     .when(has_scene)
     .on(|state| state.walk.is_some())
     .apart(),
@@ -82,6 +84,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::B)],
         |_| Command::AddBookmark,
     )
+    .also("bookmark")
     .when(has_scene)
     .apart(),
     Action::of(

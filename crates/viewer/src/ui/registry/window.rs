@@ -3,6 +3,7 @@
 use super::action::{Action, Menu};
 use super::chord::{ctrl, plain};
 use crate::state::command::Command;
+use crate::state::part::Part;
 use crate::state::preferences::{Mouse, Theme};
 use egui::Key;
 
@@ -12,6 +13,20 @@ macro_rules! mouse {
             Command::SetMouse(Mouse::$habits)
         })
         .on(|state| state.preferences.mouse == Mouse::$habits)
+    };
+}
+
+macro_rules! part {
+    ($id:literal, $part:ident, $does:literal, $words:literal) => {
+        Action::of(
+            Menu::Window,
+            concat!("panel.", $id),
+            concat!("Panel: ", stringify!($part)),
+            $does,
+            &[],
+            |_| Command::OpenPart(Part::$part),
+        )
+        .also($words)
     };
 }
 
@@ -26,6 +41,56 @@ pub(super) static ACTIONS: &[Action] = &[
         |_| Command::TogglePanel,
     )
     .on(|state| state.panel),
+    part!(
+        "objects",
+        Objects,
+        "The list of objects, and the marked one's color, texture and place",
+        "move rotate scale transform parent"
+    ),
+    part!(
+        "look",
+        Look,
+        "Mode, lines, colors, texture and background",
+        "transparent color map legend range shading lights"
+    ),
+    part!(
+        "measure",
+        Measure,
+        "Measurements, the unit, and the marked object's size",
+        "area volume box csv"
+    ),
+    part!("cut", Cut, "Clipping planes", "section slice offset flip"),
+    part!("health", Health, "Faults of meshes", "open manifold holes"),
+    part!(
+        "surface",
+        Surface,
+        "Which faces are seen, and how textures lie on them",
+        "culling back faces texture filter mapping"
+    ),
+    part!(
+        "camera",
+        Camera,
+        "Eye and target in numbers, and bookmarks",
+        "position views"
+    ),
+    part!(
+        "picture",
+        Picture,
+        "Resolution, step, field of view, projection and samples",
+        "size width height fov panorama fisheye equirectangular cylindrical cube map stereo shift lens filter"
+    ),
+    part!(
+        "tiles",
+        Tiles,
+        "How the picture is split, and what is drawn over it",
+        "overlay borders order grid tint sub-cameras"
+    ),
+    part!(
+        "rendering",
+        Rendering,
+        "Threads, and the work that a picture took",
+        "speed rays time statistics"
+    ),
     Action::of(
         Menu::Window,
         "window.smooth",
@@ -90,6 +155,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::Plus), ctrl(Key::Equals)],
         |state| Command::SetScale(state.preferences.scale * SCALE_STEP),
     )
+    .also("interface scale zoom dpi font size")
     .apart(),
     Action::of(
         Menu::Window,
@@ -98,7 +164,8 @@ pub(super) static ACTIONS: &[Action] = &[
         "Smaller text and buttons",
         &[ctrl(Key::Minus)],
         |state| Command::SetScale(state.preferences.scale / SCALE_STEP),
-    ),
+    )
+    .also("interface scale zoom dpi font size"),
     Action::of(
         Menu::Window,
         "window.scale",
@@ -106,7 +173,8 @@ pub(super) static ACTIONS: &[Action] = &[
         "Text and buttons of the size that the desktop asks for",
         &[ctrl(Key::Num0)],
         |_| Command::SetScale(1.0),
-    ),
+    )
+    .also("interface scale zoom dpi font size"),
 ];
 
 /// The factor of one step of the interface's scale.
