@@ -7,7 +7,7 @@ use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::icons::Icon;
 use crate::ui::registry::{self, action};
-use egui::{Button, Ui, vec2};
+use egui::{Button, RichText, Ui, vec2};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     if state.document.is_none() {
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                     out.push((action.command)(state));
                 }
             }
-            ui.weak("Ctrl+V pastes one");
+            ui.add(egui::Label::new(RichText::new("Ctrl+V pastes one").weak()).truncate());
         });
         for (number, view) in state.bookmarks.iter().enumerate() {
             ui.horizontal(|ui| {

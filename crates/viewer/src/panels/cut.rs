@@ -139,7 +139,7 @@ fn planes(ui: &mut Ui, state: &State, index: usize, plane: &ClippingPlane, out: 
     };
     let mut value = sign * distance(plane);
     ui.horizontal(|ui| {
-        ui.spacing_mut().slider_width = ui.available_width() - 74.0;
+        ui.spacing_mut().slider_width = ui.available_width() - 78.0;
         // A plane beyond the box stays where it is until the slider is moved.
         let reach = least.min(value)..=most.max(value);
         let slider = egui::Slider::new(&mut value, reach)

@@ -216,6 +216,9 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
                 _ => 3,
             };
             if let ColorRule::Uniform(one) = object.color {
+                // Narrow, to leave room for the names.
+                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.spacing_mut().interact_size.x = 22.0;
                 let picked = color(ui, one, label, "The object's color");
                 let rule = |c| Command::SetColorRule(Some(number), ColorRule::Uniform(c));
                 out.extend(picked.map(rule));

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::state::State;
 use crate::state::part::Part;
-use egui::{ScrollArea, Ui};
+use egui::{ScrollArea, Ui, UiBuilder};
 
 /// The panel's width, in points.
 pub(super) const WIDTH: f32 = 288.0;
@@ -18,9 +18,13 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status, out: &mut Comman
     if asked.is_some() {
         open_part(ui, state.part.0.map(Part::title));
     }
+    // A child cannot widen the panel: the picture, whose width is the rest, would move under the cursor.
+    let room = ui.available_rect_before_wrap();
+    let mut content = ui.new_child(UiBuilder::new().max_rect(room));
+    ui.advance_cursor_after_rect(room);
     ScrollArea::vertical()
         .auto_shrink([false, false])
-        .show(ui, |ui| {
+        .show(&mut content, |ui| {
             objects::show(ui, state, out);
             pick::show(ui, state, out);
             look::show(ui, state, out);

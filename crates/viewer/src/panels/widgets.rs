@@ -236,19 +236,34 @@ impl Number<'_> {
     }
 }
 
-/// Options side by side, of equal width; returns the one that was clicked.
+/// Options side by side, of equal width where their names have room; returns the one that was clicked.
 pub(super) fn choice<T: PartialEq + Copy>(
     ui: &mut Ui,
     current: T,
     options: &[(T, &str, &str)],
 ) -> Option<T> {
-    let gap = 2.0;
-    let width = (ui.available_width() - gap * (options.len() - 1) as f32) / options.len() as f32;
+    let (gap, padding) = (2.0, 3.0);
+    let room = ui.available_width() - gap * (options.len() - 1) as f32;
+    let least = |name: &str| {
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let color = ui.visuals().text_color();
+        let line = ui.painter().layout_no_wrap(name.to_owned(), font, color);
+        line.size().x + 2.0 * padding
+    };
+    let least: Vec<f32> = options.iter().map(|(_, name, _)| least(name)).collect();
+    let equal = room / options.len() as f32;
+    let spare = (room - least.iter().sum::<f32>()) / options.len() as f32;
+    let is_equal = least.iter().all(|least| *least <= equal);
     let mut chosen = None;
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = gap;
-        ui.spacing_mut().button_padding.x = 3.0;
-        for &(value, name, hint) in options {
+        ui.spacing_mut().button_padding.x = padding;
+        for (&(value, name, hint), least) in options.iter().zip(least) {
+            let width = if is_equal {
+                equal
+            } else {
+                least + spare.max(0.0)
+            };
             let button = Button::new(name)
                 .selected(value == current)
                 .min_size(vec2(width, 0.0));

@@ -7,7 +7,11 @@ use egui_kittest::kittest::Queryable;
 use raycast_core::glam::DVec3;
 use raycast_core::scene::Shape;
 use raycast_viewer::state::State;
+use raycast_viewer::state::command::Command;
+use raycast_viewer::state::cut::PlaneBy;
 use raycast_viewer::state::effect::Effect;
+use raycast_viewer::state::part::Part;
+use raycast_viewer::state::update::update;
 
 fn objects(harness: &Harness<'_, Bench>) -> Vec<(String, bool)> {
     let document = harness.state().state.document.as_ref().expect("a scene");
@@ -280,4 +284,32 @@ fn a_shape_is_put_in_by_the_menu_and_changed_by_numbers() {
             rings: 32
         }
     );
+}
+
+#[test]
+fn nothing_in_the_panel_changes_its_width() {
+    let mut harness = open_two();
+    // Low enough for the panel to scroll.
+    harness.set_size(egui::vec2(1280.0, 720.0));
+    harness.run();
+    click(&mut harness, "right one");
+    let room = harness.state().state.viewport;
+    click(&mut harness, "Plain");
+    let right = harness.get_by_label("Random").rect().right();
+    assert!(right <= 1270.0, "{right}");
+    let state = &mut harness.state_mut().state;
+    update(state, Command::AddPlane(PlaneBy::Axis(1)));
+    update(state, Command::AddBookmark);
+    for part in [Part::Cut, Part::Camera, Part::Picture] {
+        update(&mut harness.state_mut().state, Command::OpenPart(part));
+        harness.run();
+        assert_eq!(harness.state().state.viewport, room, "{part:?}");
+    }
+    // Not even if rows have too little room.
+    harness
+        .ctx
+        .all_styles_mut(|style| style.spacing.button_padding.x = 20.0);
+    harness.run();
+    assert!(harness.get_by_label("Keep view").rect().width() > 80.0);
+    assert_eq!(harness.state().state.viewport, room);
 }
