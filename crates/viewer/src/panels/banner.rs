@@ -193,10 +193,13 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         ui.horizontal(|ui| {
             label = Some(ui.label(RichText::new(title).strong()).id);
             let more = match (prompt.dialog, prompt.kind.saves()) {
-                (true, _) => "choose in the dialog, or type a path:",
-                (false, true) => "type a path:",
+                (true, _) => "choose in the dialog, or type a path:".to_owned(),
+                (false, true) => match std::env::current_dir() {
+                    Ok(folder) => format!("type a path, or a name in {}:", folder.display()),
+                    Err(_) => "type a path:".to_owned(),
+                },
                 // A dropped file is opened, whatever the path line is for.
-                (false, false) => "type a path, or drop a file on the window:",
+                (false, false) => "type a path, or drop a file on the window:".to_owned(),
             };
             ui.add(egui::Label::new(RichText::new(more).weak()).truncate());
         });
