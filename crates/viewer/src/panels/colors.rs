@@ -1,7 +1,7 @@
 //! The colour rule of objects, and the colour scale of numbers.
 
 use super::Commands;
-use super::widgets::{Number, color, row, tick};
+use super::widgets::{Number, color, is_chosen, list_shown, row, tick};
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Ui;
@@ -61,12 +61,12 @@ fn rules(ui: &mut Ui, state: &State, objects: &[Object], out: &mut Commands) {
                         let name = name_of(&rule);
                         let is_it = current.is_some_and(|current| name_of(current) == name);
                         let entry = ui.selectable_label(is_it, name).on_hover_text(hint);
-                        if entry.clicked() && !is_it {
+                        if is_chosen(ui, &entry) && !is_it {
                             out.push(Command::SetColorRule(None, rule));
                         }
                     }
                 });
-            list.response.labelled_by(label);
+            list_shown(ui, &list.response.labelled_by(label));
         },
     );
     match current {
@@ -173,17 +173,18 @@ fn scale(ui: &mut Ui, state: &State, out: &mut Commands) {
                 .show_ui(ui, |ui| {
                     for map in ColorMap::ALL {
                         let is_it = !is_grey && scale.map == map;
-                        if ui.selectable_label(is_it, map.name()).clicked() && !is_it {
+                        let entry = ui.selectable_label(is_it, map.name());
+                        if is_chosen(ui, &entry) && !is_it {
                             set(ColorScale { map, ..scale });
                         }
                     }
                     if shading.mode == Mode::Depth {
                         let hint = "Near is light, far is dark, over the scene's box";
                         let entry = ui.selectable_label(is_grey, "grey").on_hover_text(hint);
-                        chose_grey = entry.clicked() && !is_grey;
+                        chose_grey = is_chosen(ui, &entry) && !is_grey;
                     }
                 });
-            list.response.labelled_by(label);
+            list_shown(ui, &list.response.labelled_by(label));
         },
     );
     if !is_grey {

@@ -1,7 +1,7 @@
 //! The tree of objects: the order of the list, and changing parents by dragging or by choice.
 
 use super::Commands;
-use super::widgets::row;
+use super::widgets::{is_chosen, list_shown, row};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::insertion::Insertion;
@@ -234,7 +234,7 @@ pub(super) fn parent(ui: &mut Ui, state: &State, number: usize, out: &mut Comman
                 .truncate()
                 .selected_text(name)
                 .show_ui(ui, |ui| choices(ui, objects, (number, parent)));
-            list.response.labelled_by(label);
+            list_shown(ui, &list.response.labelled_by(label));
             if let Some(Some(chosen)) = list.inner {
                 out.push(Command::SetParent(number, chosen));
             }
@@ -250,7 +250,8 @@ fn choices(
 ) -> Option<Option<usize>> {
     let mut chosen = None;
     let none = Button::selectable(parent.is_none(), "nothing");
-    if ui.add(none).clicked() {
+    let none = ui.add(none);
+    if is_chosen(ui, &none) {
         chosen = Some(None);
     }
     let able: Vec<usize> = (0..objects.len())
@@ -263,9 +264,9 @@ fn choices(
             for &other in &able[rows] {
                 let is_it = parent == Some(other);
                 let button = Button::selectable(is_it, &objects[other].name).truncate();
-                if ui.add(button).clicked() {
+                let entry = ui.add(button);
+                if is_chosen(ui, &entry) {
                     chosen = Some(Some(other));
-                    ui.close();
                 }
             }
         });

@@ -153,6 +153,28 @@ pub(super) fn fact(ui: &mut Ui, name: &str, hint: &str, value: &str) {
     });
 }
 
+const CHOSEN: &str = "chosen by a key";
+
+/// Whether an entry of a drop-down list was chosen. Then the list closes, which after a click it does by itself, but not
+/// after a key.
+pub(super) fn is_chosen(ui: &Ui, entry: &Response) -> bool {
+    let is_chosen = entry.clicked();
+    if is_chosen {
+        ui.close();
+        let by_key = !ui.input(|input| input.pointer.any_click());
+        ui.data_mut(|data| data.insert_temp(Id::unique(CHOSEN), by_key));
+    }
+    is_chosen
+}
+
+/// Gives the keyboard back to a drop-down list after an entry was chosen by a key.
+pub(super) fn list_shown(ui: &Ui, list: &Response) {
+    let by_key = ui.data_mut(|data| data.remove_temp(Id::unique(CHOSEN)));
+    if by_key == Some(true) {
+        list.request_focus();
+    }
+}
+
 /// A drop-down list, named by a label; returns the option that was chosen.
 pub(super) fn select<T: PartialEq + Copy>(
     ui: &mut Ui,
@@ -171,12 +193,12 @@ pub(super) fn select<T: PartialEq + Copy>(
                 let entry = ui
                     .selectable_label(value == current, name)
                     .on_hover_text(hint);
-                if entry.clicked() && value != current {
+                if is_chosen(ui, &entry) && value != current {
                     chosen = Some(value);
                 }
             }
         });
-    list.response.labelled_by(label);
+    list_shown(ui, &list.response.labelled_by(label));
     chosen
 }
 

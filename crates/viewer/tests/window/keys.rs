@@ -7,7 +7,9 @@ use egui_kittest::kittest::Queryable;
 use raycast_core::camera::Projection;
 use raycast_core::shade::Mode;
 use raycast_viewer::state::command::Command;
+use raycast_viewer::state::part::Part;
 use raycast_viewer::state::preferences::Mouse;
+use raycast_viewer::state::update::update;
 use raycast_viewer::ui::input::gestures;
 use raycast_viewer::ui::registry::{KeysFile, actions};
 
@@ -132,6 +134,28 @@ fn the_palette_opens_a_part_of_the_panel_and_leads_the_keyboard_there() {
     harness.key_press(Key::Space);
     harness.run();
     assert!(harness.query_by_label("Projection").is_none());
+}
+
+#[test]
+fn an_entry_of_a_list_is_chosen_by_keys_and_the_list_closes() {
+    let mut harness = open_two();
+    update(
+        &mut harness.state_mut().state,
+        Command::OpenPart(Part::Picture),
+    );
+    harness.run();
+    harness.get_by_label("Projection").focus();
+    harness.run();
+    for key in [Key::Enter, Key::ArrowDown, Key::ArrowDown, Key::Enter] {
+        harness.key_press(key);
+        harness.run();
+    }
+    assert_ne!(
+        harness.state().state.viewpoint.projection,
+        Projection::Perspective
+    );
+    assert!(harness.query_by_label("Fisheye").is_none());
+    assert!(harness.get_by_label("Projection").is_focused());
 }
 
 #[test]
