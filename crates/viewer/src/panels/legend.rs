@@ -4,7 +4,7 @@ use crate::state::State;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Rect, pos2, vec2};
 use raycast_core::scene::COLOR_MAP_STEPS;
 
-const WIDTH: f32 = 136.0;
+const MOST_WIDTH: f32 = 136.0;
 const HEIGHTS: std::ops::RangeInclusive<f32> = 110.0..=220.0;
 /// Above it are the axes; below it is as much left.
 const MARGINS: [f32; 2] = [100.0, 40.0];
@@ -16,12 +16,20 @@ pub(super) fn show(painter: &Painter, state: &State, room: Rect) {
     let Some(legend) = state.legend.as_ref().filter(|legend| !legend.scale.legend) else {
         return;
     };
-    let Some(around) = place(room) else {
+    let ink = Color32::from_gray(236);
+    let line = |text: String, size| painter.layout_no_wrap(text, FontId::proportional(size), ink);
+    let title = line(legend.title.clone(), 13.0);
+    let marks = legend.marks();
+    let marks: Vec<_> = marks
+        .into_iter()
+        .map(|(share, number)| (share, line(number, 12.0)))
+        .collect();
+    let widest = marks.iter().map(|(_, number)| number.size().x);
+    let width = title.size().x.max(BAR + 8.0 + widest.fold(0.0, f32::max)) + 2.0 * PADDING;
+    let Some(around) = place(room, width.min(MOST_WIDTH)) else {
         return;
     };
     painter.rect_filled(around, 6.0, Color32::from_black_alpha(168));
-    let ink = Color32::from_gray(236);
-    let title = painter.layout_no_wrap(legend.title.clone(), FontId::proportional(13.0), ink);
     let inside = around.shrink(PADDING);
     painter
         .with_clip_rect(inside.intersect(painter.clip_rect()))
@@ -45,25 +53,25 @@ pub(super) fn show(painter: &Painter, state: &State, room: Rect) {
         }
     }
     painter.add(mesh);
-    for (share, number) in legend.marks() {
+    for (share, number) in marks {
         let y = bar.bottom() - bar.height() * share as f32;
         let at = pos2(bar.right() + 4.0, y);
         painter.hline(bar.right()..=at.x, y, egui::Stroke::new(1.0, ink));
-        let font = FontId::proportional(12.0);
-        painter.text(at + vec2(4.0, 0.0), Align2::LEFT_CENTER, number, font, ink);
+        let corner = at + vec2(4.0, -number.size().y * 0.5);
+        painter.galley(corner, number, ink);
     }
 }
 
 /// Its place at the right of `room`, lower in a low window; `None` where there is no room.
-fn place(room: Rect) -> Option<Rect> {
+fn place(room: Rect, width: f32) -> Option<Rect> {
     let [above, below] = MARGINS;
     let height = (room.height() - above - below).min(*HEIGHTS.end());
-    if room.width() < 2.0 * WIDTH || height < *HEIGHTS.start() {
+    if room.width() < 2.0 * MOST_WIDTH || height < *HEIGHTS.start() {
         return None;
     }
     let middle = room.center().y + (above - below) * 0.5;
     let right = pos2(room.right() - 14.0, middle);
-    Some(Align2::RIGHT_CENTER.anchor_size(right, vec2(WIDTH, height)))
+    Some(Align2::RIGHT_CENTER.anchor_size(right, vec2(width, height)))
 }
 
 #[cfg(test)]
@@ -81,7 +89,7 @@ mod tests {
             (vec2(200.0, 348.0), None),
         ] {
             let room = Rect::from_min_size(pos2(0.0, 26.0), size);
-            let place = place(room);
+            let place = place(room, MOST_WIDTH);
             assert_eq!(place.map(|place| place.height()), height, "{size}");
             let free = room.with_min_y(room.top() + MARGINS[0]);
             assert!(
