@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                     out.push((action.command)(state));
                 }
             }
-            ui.add(egui::Label::new(RichText::new("Ctrl+V pastes one").weak()).truncate());
+            ui.add(egui::Label::new(RichText::new("Ctrl+V pastes").weak()).truncate());
         });
         for (number, view) in state.bookmarks.iter().enumerate() {
             ui.horizontal(|ui| {
