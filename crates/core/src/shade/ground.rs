@@ -317,7 +317,11 @@ mod tests {
             };
             let step = far * 0.003 * math::pow(10.0, random.signed());
             let plane = ImagePlane::new(600, 400, step).expect("a good plane");
-            let camera = Camera::new(placement, Projection::Perspective, plane);
+            let projection = match random.unit() < 0.5 {
+                true => Projection::Perspective,
+                false => Projection::Orthographic,
+            };
+            let camera = Camera::new(placement, projection, plane);
             let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
             let Some(close) = ground.close else {
                 unknown += 1;

@@ -1,4 +1,4 @@
-//! The ground's lines in a perspective picture: how rays meet the ground, as a function of the place alone, and which
+//! The ground's lines in a planar picture: how rays meet the ground, as a function of the place alone, and which
 //! pixels no line covers.
 
 use super::edges::reach;
@@ -69,63 +69,97 @@ pub(super) enum Seen {
     },
 }
 
-/// The ground as the rays of a perspective picture with one eye meet it. Coordinates are in cells.
+/// A vector that is linear over the picture: its value at the top left corner, and its derivatives by x and y in pixels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct GroundLines {
-    /// The eye's x and z.
-    eye: [f64; 2],
-    /// The ground's height over the eye.
-    height: f64,
-    /// The direction at the picture's top left corner, and its derivatives by x and y in pixels.
-    direction: DVec3,
+struct LinearVector {
+    corner: DVec3,
     right: DVec3,
     down: DVec3,
+}
+
+impl LinearVector {
+    fn constant(corner: DVec3) -> Self {
+        Self {
+            corner,
+            right: DVec3::ZERO,
+            down: DVec3::ZERO,
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, axis: usize, (x, y): (f64, f64)) -> f64 {
+        self.corner[axis] + self.down[axis] * y + self.right[axis] * x
+    }
+}
+
+/// The ground as the rays of a planar picture with one eye, or of an orthographic one, meet it. Coordinates are in cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GroundLines {
+    height: f64,
+    /// Where rays start.
+    origin: LinearVector,
+    direction: LinearVector,
 }
 
 impl GroundLines {
     /// `None` for another kind of picture, and for eyes too far from the origin.
     pub(super) fn new(camera: &Camera, height: f64, cell: f64) -> Option<Self> {
-        if camera.projection() != Projection::Perspective || camera.stereo().is_some() {
-            return None;
-        }
         let eye = camera.placement().eye / cell;
-        if !(eye.x.abs() < FURTHEST && eye.z.abs() < FURTHEST) {
+        if camera.stereo().is_some() || eye.abs().max_element() >= FURTHEST {
             return None;
         }
-        let [right, down] = camera.direction_slopes(0.0, 0.0);
+        let direction = camera.direction(0.0, 0.0);
+        let (origin, direction) = match camera.projection() {
+            Projection::Perspective => {
+                let [right, down] = camera.direction_slopes(0.0, 0.0);
+                let direction = LinearVector {
+                    corner: direction,
+                    right,
+                    down,
+                };
+                (LinearVector::constant(eye), direction)
+            }
+            Projection::Orthographic => {
+                let step = camera.plane().step / cell;
+                let origin = LinearVector {
+                    corner: eye + camera.on_plane(0.0, 0.0) / cell,
+                    right: camera.right() * step,
+                    down: camera.up() * -step,
+                };
+                (origin, LinearVector::constant(direction))
+            }
+            Projection::Panoramic(_) => return None,
+        };
         Some(Self {
-            eye: [eye.x, eye.z],
-            height: height / cell - eye.y,
-            direction: camera.direction(0.0, 0.0),
-            right,
-            down,
+            height: height / cell,
+            origin,
+            direction,
         })
     }
 
     /// The ground where the ray through (x, y) meets it. NaN where nothing is known.
     ///
-    /// A ray E + λd meets the ground at λ = height / d.y. The derivative of that point by x is (r − d·r.y / d.y)λ with r that
-    /// of d.
+    /// A ray o + λd meets the ground at λ = (height − o.y) / d.y. With s = oₓ + λdₓ, oₓ and dₓ the derivatives of o and d by x,
+    /// that of the point is s − d·s.y / d.y.
     #[inline(always)]
     fn meeting(&self, x: f64, y: f64) -> Meeting {
         let Self {
-            eye,
             height,
+            origin,
             direction,
-            right,
-            down,
-        } = *self;
-        let at = |axis: usize| direction[axis] + down[axis] * y + right[axis] * x;
-        let inverse = 1.0 / at(1);
-        let along = height * inverse;
-        let (right_y, down_y) = (right.y * inverse, down.y * inverse);
+        } = self;
+        let inverse = 1.0 / direction.at(1, (x, y));
+        let along = (height - origin.at(1, (x, y))) * inverse;
+        let right = |axis: usize| origin.right[axis] + direction.right[axis] * along;
+        let down = |axis: usize| origin.down[axis] + direction.down[axis] * along;
+        let (right_y, down_y) = (right(1) * inverse, down(1) * inverse);
         let [mut places, mut squared] = [[0.0; 2]; 2];
         for number in 0..2 {
             let axis = 2 * number;
-            let ahead = at(axis);
-            let by_x = (right[axis] - ahead * right_y) * along;
-            let by_y = (down[axis] - ahead * down_y) * along;
-            places[number] = eye[number] + ahead * along;
+            let ahead = direction.at(axis, (x, y));
+            let by_x = right(axis) - ahead * right_y;
+            let by_y = down(axis) - ahead * down_y;
+            places[number] = origin.at(axis, (x, y)) + ahead * along;
             squared[number] = by_x * by_x + by_y * by_y;
         }
         Meeting {
