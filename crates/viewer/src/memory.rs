@@ -111,6 +111,17 @@ impl AvailableMemory {
         self.check(tree.saturating_add(levels), what, fits)
     }
 
+    /// As [`check_threads`].
+    fn check_threads(self) -> Result<(), Failure> {
+        if self.bytes > 0 || self.limit != Limit::AddressSpace {
+            return Ok(());
+        }
+        let limit = self.limit;
+        Err(Failure::could_not(format!(
+            "{limit} leaves no room for worker threads"
+        )))
+    }
+
     /// Refuses what needs more memory than is left. `what` needs it, `instead` would fit.
     ///
     /// # Errors
@@ -146,6 +157,15 @@ pub fn budget(limits: Limits) -> Budget {
 /// reading and building a mesh of a million. A larger value would refuse scenes that fit; with a smaller one commands
 /// would fail halfway.
 const TREE_BYTES: u64 = 200;
+
+/// Refuses to start worker threads where no address space would be left for anything else: the standard library aborts
+/// a process in which a thread cannot have the second stack that handles overflows of its first.
+///
+/// # Errors
+/// The limit that leaves nothing.
+pub fn check_threads() -> Result<(), Failure> {
+    AvailableMemory::now().map_or(Ok(()), AvailableMemory::check_threads)
+}
 
 /// Refuses a scene for whose tree too little memory is left.
 ///
@@ -457,6 +477,20 @@ mod tests {
         };
         let refused = small.check(11 * MIB, "a", "b").expect_err("too large");
         assert!(refused.to_string().contains("11 MiB"), "{refused}");
+    }
+
+    #[test]
+    fn threads_are_refused_where_nothing_else_could_start() {
+        let available = |bytes: u64, limit: Limit| AvailableMemory { bytes, limit };
+        let refused = available(0, Limit::AddressSpace).check_threads();
+        let message = refused.expect_err("no room").to_string();
+        assert!(message.contains("(ulimit -v)"), "{message}");
+        for started in [
+            available(1, Limit::AddressSpace),
+            available(0, Limit::Machine),
+        ] {
+            assert_eq!(started.check_threads(), Ok(()));
+        }
     }
 
     #[test]

@@ -24,7 +24,7 @@ use crate::failure::Failure;
 
 use crate::cli::{Cli, Subcommand};
 use crate::output::print_error;
-use crate::{app::open, output, setup};
+use crate::{app::open, memory, output, setup};
 use raycast_core::Accel;
 use raycast_core::formats;
 use raycast_core::scene::Scene;
@@ -101,6 +101,7 @@ fn view(options: open::Options) -> ExitCode {
 
 /// A pool of this many worker threads; 0 for one for each hardware thread.
 fn workers(threads: u16) -> Result<ThreadPool, Failure> {
+    memory::check_threads()?;
     ThreadPoolBuilder::new()
         .num_threads(threads.into())
         .thread_name(|index| format!("raycast-{index}"))
