@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The names that a source file's paths have next behind `prefix` (`crate::` or `super::`): modules,
-/// and what is re-exported beside them. Its comments and its tests do not count.
-fn used(source: &str, prefix: &str) -> BTreeSet<String> {
+/// The paths in a source file's code that begin with `crate`, `super` or `self`, as lists of their names; a group in
+/// braces gives a path for each of its entries. Comments and tests do not count.
+fn paths(source: &str) -> Vec<Vec<String>> {
     let code = source
         .split("#[cfg(test)]\nmod ")
         .next()
@@ -15,44 +15,66 @@ fn used(source: &str, prefix: &str) -> BTreeSet<String> {
     let is_comment = |line: &&str| line.trim_start().starts_with("//");
     let code: Vec<&str> = code.lines().filter(|line| !is_comment(line)).collect();
     let code = code.join("\n");
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    let mut names = BTreeSet::new();
-    for (at, _) in code.match_indices(prefix) {
-        if code[..at].ends_with(|c: char| is_part(c) || c == ':') {
-            continue;
-        }
-        let rest = &code[at + prefix.len()..];
-        for path in first_paths(rest) {
-            let end = path.find(|c| !is_part(c)).unwrap_or(path.len());
-            names.insert(path[..end].to_owned());
+    let mut found = Vec::new();
+    for root in ["crate::", "super::", "self::"] {
+        for (at, _) in code.match_indices(root) {
+            if !code[..at].ends_with(|c: char| is_part(c) || c == ':') {
+                tree(&code[at..], &mut Vec::new(), &mut found);
+            }
         }
     }
-    names.remove("");
-    names
+    found
 }
 
-/// What stands behind a path's `::`: the one path, or those of a group in braces.
-fn first_paths(rest: &str) -> Vec<&str> {
-    let Some(group) = rest.strip_prefix('{') else {
-        return vec![rest];
-    };
-    let (mut paths, mut depth, mut start) = (Vec::new(), 0, 0);
-    for (at, c) in group.char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' if depth == 0 => {
-                paths.push(group[start..at].trim());
+fn is_part(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// Adds the paths of a use tree (`a::{b::c, d}`), each behind `prefix`, and returns what follows the tree.
+fn tree<'a>(text: &'a str, prefix: &mut Vec<String>, found: &mut Vec<Vec<String>>) -> &'a str {
+    let text = text.trim_start();
+    if let Some(mut rest) = text.strip_prefix('{') {
+        while !rest.is_empty() {
+            rest = rest.trim_start_matches(|c: char| c == ',' || c.is_whitespace());
+            if let Some(behind) = rest.strip_prefix('}') {
+                return behind;
+            }
+            let before = rest.len();
+            rest = tree(rest, prefix, found);
+            if rest.len() == before {
                 break;
             }
-            '}' => depth -= 1,
-            ',' if depth == 0 => {
-                paths.push(group[start..at].trim());
-                start = at + 1;
-            }
-            _ => {}
+        }
+        return rest;
+    }
+    let end = text.find(|c| !is_part(c)).unwrap_or(text.len());
+    let (name, rest) = text.split_at(end);
+    prefix.push(name.to_owned());
+    let rest = match rest.strip_prefix("::") {
+        Some(behind) => tree(behind, prefix, found),
+        None => {
+            found.push(prefix.clone());
+            // `name as other`: what it is called here.
+            rest.strip_prefix(" as ")
+                .map_or(rest, |other| other.trim_start_matches(is_part))
+        }
+    };
+    prefix.pop();
+    rest
+}
+
+/// A path from the crate's root: `super` and `self` taken from the module that says them.
+fn absolute(path: &[String], module: &[String]) -> Vec<String> {
+    let mut from_root = module.to_vec();
+    for name in path {
+        match name.as_str() {
+            "crate" => from_root.clear(),
+            "super" => drop(from_root.pop()),
+            "self" => {}
+            name => from_root.push(name.to_owned()),
         }
     }
-    paths
+    from_root
 }
 
 /// What a module's page re-exports (`pub use file::{Name, …};`): the file of each name.
@@ -61,13 +83,13 @@ fn reexports(page: &Path) -> BTreeMap<String, String> {
     let mut files = BTreeMap::new();
     for (at, _) in source.match_indices("use ") {
         let statement = source[at + 4..].split(';').next().unwrap_or_default();
-        let Some((file, names)) = statement.split_once("::") else {
-            continue;
-        };
-        if !["crate", "super", "std"].contains(&file) {
-            for name in first_paths(names) {
-                let name = name.rsplit([':', ' ']).next().unwrap_or_default();
-                files.insert(name.to_owned(), file.to_owned());
+        let mut paths = Vec::new();
+        tree(statement, &mut Vec::new(), &mut paths);
+        for path in paths {
+            if let [file, .., name] = &path[..]
+                && !["crate", "super", "std"].contains(&file.as_str())
+            {
+                files.insert(name.clone(), file.clone());
             }
         }
     }
@@ -117,13 +139,14 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The module that a file below `folder` belongs to; `None` for the crate's own root.
-fn module(folder: &Path, file: &Path) -> Option<String> {
+/// The path of the module that a file is, from the crate's root, which has none.
+fn module_path(folder: &Path, file: &Path) -> Vec<String> {
     let below = file.strip_prefix(folder).expect("a file below the folder");
-    let first = below.components().next().expect("a name");
-    let name = Path::new(first.as_os_str()).file_stem().expect("a name");
-    let name = name.to_string_lossy().into_owned();
-    (!["lib", "main"].contains(&name.as_str())).then_some(name)
+    let names = below.with_extension("");
+    let names = names.iter().map(|name| name.to_string_lossy().into_owned());
+    names
+        .filter(|name| !["lib", "main", "mod"].contains(&name.as_str()))
+        .collect()
 }
 
 #[test]
@@ -136,7 +159,7 @@ fn a_module_uses_only_those_listed_before_it() {
         let at_root = reexports(&folder.join("lib.rs"));
         let mut seen = BTreeSet::new();
         for file in sources(&folder) {
-            let Some(own) = module(&folder, &file) else {
+            let Some(own) = module_path(&folder, &file).into_iter().next() else {
                 continue;
             };
             let Some(own_place) = place(&own) else {
@@ -145,9 +168,11 @@ fn a_module_uses_only_those_listed_before_it() {
             };
             seen.insert(own.clone());
             let source = fs::read_to_string(&file).expect("a source file");
-            for name in used(&source, "crate::") {
-                let name = at_root.get(&name).cloned().unwrap_or(name);
-                if name != own && place(&name).is_none_or(|used| used >= own_place) {
+            for path in paths(&source) {
+                let path = absolute(&path, &module_path(&folder, &file));
+                let Some(name) = path.first() else { continue };
+                let name = at_root.get(name).unwrap_or(name);
+                if *name != own && place(name).is_none_or(|used| used >= own_place) {
                     wrong.push(format!("{}: `{own}` uses `{name}`", file.display()));
                 }
             }
@@ -159,55 +184,86 @@ fn a_module_uses_only_those_listed_before_it() {
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
 
+/// Which modules each module's children use of one another, at every level of a crate: `children[page][child]` are the
+/// siblings of `child` that its files name, those of its own children included. A module's own page lists its children, and
+/// may use any.
+fn siblings(folder: &Path) -> BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> {
+    let mut children: BTreeMap<_, BTreeMap<_, BTreeSet<_>>> = BTreeMap::new();
+    let files: Vec<_> = sources(folder)
+        .into_iter()
+        .map(|file| (module_path(folder, &file), file))
+        .collect();
+    let modules: BTreeSet<_> = files.iter().map(|(module, _)| module.clone()).collect();
+    let mut pages = BTreeMap::new();
+    for (module, file) in &files {
+        pages.insert(module.clone(), reexports(file));
+    }
+    for (module, file) in &files {
+        let source = fs::read_to_string(file).expect("a source file");
+        for path in paths(&source) {
+            let path = absolute(&path, module);
+            let shared = module.iter().zip(&path).take_while(|(a, b)| a == b).count();
+            let (Some(own), Some(name)) = (module.get(shared), path.get(shared)) else {
+                continue;
+            };
+            let page = module[..shared].to_vec();
+            let file = pages.get(&page).and_then(|files| files.get(name));
+            let used = file.unwrap_or(name).clone();
+            let is_module = modules.contains(&[&page[..], std::slice::from_ref(&used)].concat());
+            if is_module && used != *own {
+                let uses = children.entry(page).or_default();
+                uses.entry(own.clone()).or_default().insert(used);
+            }
+        }
+    }
+    children
+}
+
 #[test]
 fn the_files_of_a_room_use_one_another_in_one_direction() {
     let mut circles = Vec::new();
-    for (folder, order) in stated(&root()) {
-        for room in order
-            .iter()
-            .map(|name| folder.join(name))
-            .filter(|room| room.is_dir())
-        {
-            let mut uses: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-            let on_page = reexports(&room.join("mod.rs"));
-            for file in sources(&room) {
-                let name = file
-                    .file_stem()
-                    .expect("a name")
-                    .to_string_lossy()
-                    .into_owned();
-                // The room's own page lists its files, and may use any.
-                if name != "mod" {
-                    let source = fs::read_to_string(&file).expect("a source file");
-                    let used = used(&source, "super::").into_iter();
-                    let used = used.map(|name| on_page.get(&name).cloned().unwrap_or(name));
-                    uses.insert(name, used.collect());
-                }
-            }
+    let mut arrows = 0;
+    for (folder, _) in stated(&root()) {
+        for (page, mut uses) in siblings(&folder) {
+            arrows += uses.values().map(BTreeSet::len).sum::<usize>();
             // A file that uses none of those left can go: what cannot go is in a circle, or above one.
             while let Some(leaf) = uses
                 .iter()
-                .find(|(name, used)| {
-                    used.iter()
-                        .all(|used| used == *name || !uses.contains_key(used))
-                })
+                .find(|(_, used)| used.iter().all(|used| !uses.contains_key(used)))
                 .map(|(name, _)| name.clone())
             {
                 uses.remove(&leaf);
             }
             if !uses.is_empty() {
-                let left: Vec<_> = uses.keys().cloned().collect();
-                circles.push(format!("{}: {}", room.display(), left.join(", ")));
+                let page = folder.join(page.join("/"));
+                circles.push(format!("{}: {uses:?}", page.display()));
             }
         }
     }
+    assert!(arrows > 1000, "only {arrows} uses were found");
     assert!(circles.is_empty(), "\n{}", circles.join("\n"));
 }
 
 #[test]
 fn what_a_file_uses_is_read_from_its_paths() {
     let source = "use crate::scene::Mesh;\n// crate::formats\nfn f() { crate::num::g(); mycrate::x(); }\n\
-        use crate::{Hit, ray::{self, Ray},\n bvh};\n#[cfg(test)]\nmod tests { use crate::render::View; }\n";
-    let names: Vec<_> = used(source, "crate::").into_iter().collect();
-    assert_eq!(names, ["Hit", "bvh", "num", "ray", "scene"]);
+        use crate::{Hit, ray::{self, Ray as R},\n bvh};\nuse super::super::a::B;\n\
+        #[cfg(test)]\nmod tests { use crate::render::View; }\n";
+    let module = ["packet", "cast", "eyes"].map(str::to_owned);
+    let paths = paths(source);
+    let mut names: Vec<_> = paths
+        .iter()
+        .map(|path| absolute(path, &module).join("::"))
+        .collect();
+    names.sort();
+    let expected = [
+        "Hit",
+        "bvh",
+        "num::g",
+        "packet::a::B",
+        "ray",
+        "ray::Ray",
+        "scene::Mesh",
+    ];
+    assert_eq!(names, expected);
 }

@@ -1,5 +1,6 @@
 use super::error::FormatError;
-use super::{gltf, off, ply, prepared, stl};
+use super::lines::without_mark;
+use super::{off, ply, prepared, stl};
 use std::path::Path;
 
 /// The format of a mesh file.
@@ -20,6 +21,9 @@ const MESHES: &str = "a mesh (OBJ, glTF, PLY, STL, OFF, 3MF, triangle text, or p
 
 /// The number of lines, not counting empty ones, that are searched for a word that identifies the format.
 const LINES: usize = 200;
+
+/// The first bytes of a GLB.
+pub(super) const GLB_SIGNATURE: &[u8] = b"glTF";
 
 /// Words that start a line of an OBJ file.
 const OBJ_WORDS: [&str; 14] = [
@@ -89,7 +93,7 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
 /// Whether a file is a glTF: a GLB, or JSON with glTF's one required table.
 fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
     let text = without_mark(bytes).trim_ascii_start();
-    bytes.starts_with(gltf::MAGIC)
+    bytes.starts_with(GLB_SIGNATURE)
         || (text.starts_with(b"{")
             && (has_extension(path, "gltf") || memchr::memmem::find(text, b"\"asset\"").is_some()))
 }
@@ -128,7 +132,7 @@ pub(super) fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"II*\0", "a TIFF image"),
         (b"MM\0*", "a TIFF image"),
         (b"RIFF", "a RIFF file (WebP, perhaps)"),
-        (b"glTF", "a GLB mesh"),
+        (GLB_SIGNATURE, "a GLB mesh"),
         (b"Kaydara FBX Binary", "an FBX file"),
         (b"BLENDER", "a Blender file"),
         (b"PK\x03\x04", "a ZIP archive"),
@@ -177,11 +181,6 @@ fn first_lines(bytes: &[u8]) -> impl Iterator<Item = String> {
                 .to_owned()
         })
         .filter(|line| !line.is_empty() && !line.starts_with('#'))
-}
-
-/// The bytes without a UTF-8 byte order mark.
-pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// Whether a file's name has this extension, in any case.

@@ -1,11 +1,15 @@
 //! Lines of a text, with any line ends.
 
-use super::kind::without_mark;
 use std::borrow::Cow;
 
 /// A file's text without its byte order mark; invalid UTF-8 is replaced.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     decode(without_mark(bytes))
+}
+
+/// The bytes without a UTF-8 byte order mark.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// A piece of a file's text; invalid UTF-8 is replaced.

@@ -2,7 +2,7 @@ use super::Progress;
 use super::error::{FormatError, shorten};
 use super::files::Files;
 use super::guard::guarded;
-use super::kind::without_mark;
+use super::lines::without_mark;
 use super::mesh_file;
 use super::scene_file::{CameraFile, FileKind, ImageSettings, SceneFile};
 use super::scene_text::{Reader, line_at};

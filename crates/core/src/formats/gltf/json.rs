@@ -8,9 +8,6 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The first bytes of a GLB.
-pub(in crate::formats) const MAGIC: &[u8] = b"glTF";
-
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Root<'t> {

@@ -13,12 +13,12 @@ use super::length_unit::LengthUnit;
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::files::Files;
-use crate::formats::kind::without_mark;
+use crate::formats::kind::GLB_SIGNATURE;
+use crate::formats::lines::without_mark;
 use crate::formats::parsed::BLENDED;
 use crate::formats::placed::{Placed, PlacedMesh};
 use crate::quote;
 use data::Data;
-pub(super) use json::MAGIC;
 use json::Root;
 use material::Materials;
 use mesh::Skipped;
@@ -61,11 +61,11 @@ pub(super) fn read(
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<Placed, FormatError> {
-    let (json, binary) = match bytes.starts_with(MAGIC) {
+    let (json, binary) = match bytes.starts_with(GLB_SIGNATURE) {
         true => chunks(path, bytes)?,
         false => (without_mark(bytes), None),
     };
-    let is_binary = bytes.starts_with(MAGIC);
+    let is_binary = bytes.starts_with(GLB_SIGNATURE);
     let (root, _share) = json::parse(path, json, is_binary, files.budget())?;
     check_version(path, &root)?;
     let data = Data::new(path, &root, binary, files);

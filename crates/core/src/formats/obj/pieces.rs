@@ -4,8 +4,8 @@ use super::content::{Counts, NONE, ObjText, is_beyond};
 use super::reader::{INHERITED, RELATIVE, Reader};
 
 use crate::formats::Progress;
-use crate::formats::kind::without_mark;
 use crate::formats::limits::Allowance;
+use crate::formats::lines::without_mark;
 use crate::formats::lines::{Lines, decode};
 use rayon::prelude::*;
 use std::borrow::Cow;
