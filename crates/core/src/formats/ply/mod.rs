@@ -5,6 +5,7 @@
 //! list `texcoord`. Triangle strips: the list `vertex_indices` of the element `tristrips`. Other numbers of vertices
 //! and faces are scalars, which colours can show. Everything else is skipped, with a note.
 
+mod faces;
 mod header;
 mod layout;
 mod reader;

@@ -1,4 +1,4 @@
-use super::header::{Element, Scalar as Kind};
+use super::header::Element;
 use super::layout::{
     COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, SCALAR, UNUSED, UV, index,
 };
@@ -38,19 +38,19 @@ pub(super) struct Reader<'a, V> {
 
 impl<V: Values> Reader<'_, V> {
     #[cold]
-    fn fault(&self, element: &Element, found: &Found) -> FormatError {
+    pub(super) fn fault(&self, element: &Element, found: &Found) -> FormatError {
         let expected = format!("a number of element {}", plain(&element.name));
         self.values.fault(self.path, &expected, found)
     }
 
     /// The error for an element that lacks properties.
-    fn other_properties(&self, element: &Element, expected: &str) -> FormatError {
+    pub(super) fn other_properties(&self, element: &Element, expected: &str) -> FormatError {
         let found = element.property_names();
         FormatError::unexpected(self.path, Some(element.line), expected, found)
     }
 
     /// An element's count, after checking that the file is long enough for it.
-    fn count(&self, element: &Element) -> Result<usize, FormatError> {
+    pub(super) fn count(&self, element: &Element) -> Result<usize, FormatError> {
         let least: u64 = element
             .properties
             .iter()
@@ -130,7 +130,7 @@ impl<V: Values> Reader<'_, V> {
         read.map_err(|found| self.fault(element, &found))
     }
 
-    fn note_scalars(&mut self, of: &str, names: &[String]) {
+    pub(super) fn note_scalars(&mut self, of: &str, names: &[String]) {
         if !names.is_empty() {
             let names: Vec<_> = names.iter().map(|name| plain(name)).collect();
             let names = quote::shorten(&names.join(", "));
@@ -138,7 +138,7 @@ impl<V: Values> Reader<'_, V> {
         }
     }
 
-    fn note_unused(&mut self, of: &str, unused: Vec<String>) {
+    pub(super) fn note_unused(&mut self, of: &str, unused: Vec<String>) {
         if !unused.is_empty() {
             let names: Vec<_> = unused.iter().map(|name| plain(name)).collect();
             let names = quote::shorten(&names.join(", "));
@@ -147,155 +147,8 @@ impl<V: Values> Reader<'_, V> {
         }
     }
 
-    pub(super) fn faces(
-        &mut self,
-        element: &Element,
-        step: &dyn Fn(f32),
-    ) -> Result<(), FormatError> {
-        let mut layout = Layout::new(element, &[(&["red", "green", "blue"], COLOR)]);
-        let list = |layout: &Layout, names: &[&str]| {
-            let mut properties = layout.properties.iter();
-            properties.position(|(property, _)| {
-                property.length.is_some() && names.contains(&property.name.as_str())
-            })
-        };
-        let count = self.count(element)?;
-        let Some(indices) = list(&layout, &["vertex_indices", "vertex_index"]) else {
-            if count == 0 {
-                return Ok(());
-            }
-            let expected = "faces with a list `vertex_indices` or `vertex_index`";
-            return Err(self.other_properties(element, expected));
-        };
-        let texcoords = list(&layout, &["texcoord"]);
-        let has_colors = layout.has(COLOR);
-        // Marked as used.
-        for place in [Some(indices), texcoords].into_iter().flatten() {
-            layout.properties[place].1 = POSITION;
-        }
-        let mut scalars = layout.take_scalars();
-        // MeshLab gives both vertices and faces a `quality`.
-        for name in &mut scalars {
-            if self.mesh.scalars.iter().any(|scalar| scalar.name == *name) {
-                name.push_str(" of faces");
-            }
-        }
-        self.note_scalars("faces", &scalars);
-        self.note_unused("faces", layout.unused());
-        let first = self.mesh.triangles.len();
-        if texcoords.is_none() && !has_colors && first == 0 {
-            // First as if all faces were triangles, as in most files.
-            let each = size_of::<[u32; 3]>() + scalars.len() * size_of::<f32>();
-            let bytes = count as u64 * each as u64;
-            if count as u64 <= self.budget.triangles_left() {
-                drop(self.budget.share(self.path, "the mesh", bytes)?);
-                let mut values = vec![Vec::new(); scalars.len()];
-                let vertices = self.vertices;
-                let read = self
-                    .values
-                    .triangles(&layout, indices, count, vertices, &mut values);
-                if let Some(triangles) = read {
-                    self.mesh.triangles = triangles;
-                    self.face_scalars = named(scalars, values);
-                    return Ok(());
-                }
-            }
-        }
-        let mut share = self.budget.share(self.path, "the mesh", 0)?;
-        let mut corners = Vec::new();
-        let mut uvs = Vec::new();
-        let mut values = vec![vec![f32::NAN; first]; scalars.len()];
-        let mut of_face = vec![0.0; scalars.len()];
-        for number in 0..count {
-            let mut row: Row = [0.0; UNUSED + 1];
-            corners.clear();
-            uvs.clear();
-            for (place, (property, role)) in layout.properties.iter().enumerate() {
-                let read = match property.length {
-                    None => {
-                        self.values
-                            .value(property.kind)
-                            .map(|value| match row.get_mut(*role) {
-                                Some(place) => *place = value,
-                                None => of_face[*role - SCALAR] = value as f32,
-                            })
-                    }
-                    Some(length) if place == indices => {
-                        self.corners(length, property.kind, &mut corners)?;
-                        Ok(())
-                    }
-                    Some(length) if Some(place) == texcoords => {
-                        self.values
-                            .list(length, property.kind, |value| uvs.push(value as f32))
-                    }
-                    Some(length) => self.values.list(length, property.kind, |_| ()),
-                };
-                read.map_err(|found| self.fault(element, &found))?;
-            }
-            let before = self.mesh.triangles.len();
-            self.face(&corners)?;
-            let after = self.mesh.triangles.len();
-            for (values, value) in values.iter_mut().zip(&of_face) {
-                values.resize(after, *value);
-            }
-            if has_colors {
-                self.face_colors.resize(before, None);
-                self.face_colors.resize(after, Some(layout.color(&row)));
-            }
-            let has_uvs =
-                uvs.len() == 2 * corners.len() && uvs.iter().all(|uv: &f32| uv.is_finite());
-            if has_uvs && after > before {
-                let (pairs, _) = uvs.as_chunks::<2>();
-                let first = self.corner_uvs.len() as u32;
-                self.corner_uvs
-                    .extend(pairs.iter().map(|uv| Vec2::from_array(*uv)));
-                self.uv_triangles.resize(before, [NONE; 3]);
-                let fan = 1..corners.len() as u32 - 1;
-                let triangles = fan.map(|next| [first, first + next, first + next + 1]);
-                self.uv_triangles.extend(triangles);
-            }
-            if number % 16_384 == 0 {
-                let held = after * size_of::<[u32; 3]>()
-                    + self.polygons.len() * size_of::<Polygon>()
-                    + self.corner_uvs.len() * size_of::<Vec2>()
-                    + self.uv_triangles.len() * size_of::<[u32; 3]>()
-                    + self.face_colors.len() * size_of::<Option<Color>>()
-                    + values.len() * after * size_of::<f32>();
-                // A full list doubles, and the old one exists until the new one is filled.
-                share.grow(self.path, "the mesh", 3 * held as u64)?;
-                step(number as f32 / count as f32);
-            }
-        }
-        self.face_scalars = named(scalars, values);
-        if !self.uv_triangles.is_empty() {
-            let triangles = self.mesh.triangles.len();
-            self.uv_triangles.resize(triangles, [NONE; 3]);
-        }
-        Ok(())
-    }
-
-    /// The indices of a list, after checking them against the number of vertices.
-    fn corners(
-        &mut self,
-        length: Kind,
-        kind: Kind,
-        corners: &mut Vec<u32>,
-    ) -> Result<(), FormatError> {
-        let read = self
-            .values
-            .list(length, kind, |value| corners.push(index(value)));
-        read.map_err(|found| {
-            self.values
-                .fault(self.path, "a list of vertex indices", &found)
-        })?;
-        match corners.iter().find(|corner| **corner >= self.vertices) {
-            None => Ok(()),
-            Some(_) => Err(self.bad_index()),
-        }
-    }
-
     #[cold]
-    fn bad_index(&self) -> FormatError {
+    pub(super) fn bad_index(&self) -> FormatError {
         let expected = match self.vertices {
             0 => "vertices in the file".to_owned(),
             vertices => format!("vertex indices from 0 to {}", vertices - 1),
@@ -304,32 +157,7 @@ impl<V: Values> Reader<'_, V> {
         self.values.fault(self.path, &expected, &found)
     }
 
-    /// Adds a face as a fan.
-    fn face(&mut self, corners: &[u32]) -> Result<(), FormatError> {
-        let [first, second, ref rest @ ..] = *corners else {
-            self.small += 1;
-            return Ok(());
-        };
-        if rest.is_empty() {
-            self.small += 1;
-            return Ok(());
-        }
-        self.check_sum(rest.len())?;
-        if rest.len() > 1 {
-            self.polygons.push(Polygon {
-                first: self.mesh.triangles.len() as u32,
-                triangles: rest.len() as u32,
-            });
-        }
-        let mut last = second;
-        for &next in rest {
-            self.mesh.triangles.push([first, last, next]);
-            last = next;
-        }
-        Ok(())
-    }
-
-    fn check_sum(&self, more: usize) -> Result<(), FormatError> {
+    pub(super) fn check_sum(&self, more: usize) -> Result<(), FormatError> {
         let sum = (self.mesh.triangles.len() + more) as u64;
         if sum > self.budget.triangles_left() {
             self.budget.add_triangles(self.path, sum)?;
@@ -391,15 +219,6 @@ impl<V: Values> Reader<'_, V> {
         }
         Ok(())
     }
-}
-
-/// Makes scalars of faces.
-fn named(names: Vec<String>, values: Vec<Vec<f32>>) -> Vec<Scalar> {
-    let at = ScalarAt::Triangles;
-    let scalars = names.into_iter().zip(values);
-    scalars
-        .map(|(name, values)| Scalar { name, at, values })
-        .collect()
 }
 
 /// A name of the file, quoted where it contains unusual characters.
