@@ -32,11 +32,31 @@ pub struct FeatureCost {
     pub bytes: f64,
 }
 
+/// What a timed picture has or uses beside flat shading of one plain mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Variant {
+    Plain,
+    Smooth,
+    UnusedNormals,
+    Textured,
+    UnusedTexture,
+    Wireframe,
+    AllChannels,
+    EightObjects,
+    Counted,
+}
+
 /// A picture that is rendered repeatedly.
 struct TimedPicture {
+    variant: Variant,
     view: View,
-    /// Whether it records statistics with a clock, as `--stats` and the window do.
-    counted: bool,
+}
+
+/// The pictures, with what their costs in memory follow from.
+struct Pictures {
+    pictures: Vec<TimedPicture>,
+    vertices: usize,
+    texels: usize,
 }
 
 /// Measures all features alternately.
@@ -47,116 +67,124 @@ pub fn measure(
     budget: &ReportBudget,
     progress: &dyn ReportProgress,
 ) -> Result<Vec<FeatureCost>, ReportError> {
-    let count = 20_000.min(budget.largest);
-    let plain = ball(count, false, false);
-    let normals = ball(count, true, false);
-    let mapped = ball(count, false, true);
-    let texture = checkers();
-    let eight = Scene {
-        objects: (0..8)
-            .map(|part| Object::new("part", Arc::new(every_eighth_triangle(&plain, part))))
-            .collect(),
-    };
-    let wired = {
-        let mut settings = settings_for(Mode::Flat);
-        settings.shading.wireframe = Some(Wireframe::default());
-        settings
-    };
-    let layered = Settings {
-        layers: true,
-        ..settings_for(Mode::Flat)
-    };
-    let picture = |scene: Scene, settings: Settings| TimedPicture::new(scene, settings, budget);
-    let flat = || picture(scene_of(&plain, None), settings_for(Mode::Flat));
-    // Flat shading shows textures. This texture is present, but has no effect with a blend factor of zero.
-    let mut unblended = settings_for(Mode::Flat);
-    unblended.shading.blend = 0.0;
-    let flat_textured = picture(scene_of(&mapped, texture.as_ref()), unblended)?;
-    let counted = TimedPicture {
-        counted: true,
-        ..flat()?
-    };
-    let pictures = [
-        flat()?,
-        picture(scene_of(&normals, None), settings_for(Mode::Smooth))?,
-        picture(scene_of(&normals, None), settings_for(Mode::Flat))?,
-        picture(
-            scene_of(&mapped, texture.as_ref()),
-            settings_for(Mode::Texture),
-        )?,
-        flat_textured,
-        picture(scene_of(&plain, None), wired)?,
-        picture(scene_of(&plain, None), layered)?,
-        picture(eight, settings_for(Mode::Flat))?,
-        counted,
-    ];
+    let pictures = Pictures::new(budget)?;
     // The differences are small, so they need more measurements.
     let rounds = 3 * budget.rounds;
-    progress.begin("optional things", (pictures.len() * (rounds + 1)) as u64);
+    let steps = pictures.pictures.len() * (rounds + 1);
+    progress.begin("optional things", steps as u64);
     let mut works: Vec<Box<dyn FnMut() + Send>> = Vec::new();
-    for picture in &pictures {
+    for picture in &pictures.pictures {
         works.push(Box::new(|| picture.render()));
     }
     let times = interleaved(rounds, &mut works, &|| progress.step());
     drop(works);
-    let [
-        flat,
-        smooth,
-        flat_normals,
-        textured,
-        flat_textured,
-        wire,
-        layers,
-        objects,
-        counted,
-    ]: [Spread; 9] = std::array::from_fn(|at| times[at].scaled(1e3));
-    let pixels = f64::from(budget.size.0) * f64::from(budget.size.1);
-    let accel_bytes = |at: usize| pictures[at].view.accel.retained_bytes() as f64;
-    let cost =
-        |feature, with: Spread, without: Spread, unused: Option<Spread>, bytes: f64| FeatureCost {
-            feature,
-            used: [with, without],
-            unused,
-            bytes,
-        };
-    let texels = texture.as_ref().map_or(0.0, |texture| {
-        f64::from(texture.width()) * f64::from(texture.height())
-    });
-    let vertices = plain.positions().len() as f64;
-    let mut costs = vec![
-        cost(
-            "smooth normals",
-            smooth,
-            flat,
-            Some(flat_normals),
-            vertices * size_of::<Vec3>() as f64,
-        ),
-        cost(
-            "texture",
-            textured,
-            flat,
-            Some(flat_textured),
-            vertices * size_of::<Vec2>() as f64 + texels * 4.0,
-        ),
-        cost("wireframe", wire, flat, None, 0.0),
-        cost(
-            "several objects (8)",
-            objects,
-            flat,
-            None,
-            accel_bytes(7) - accel_bytes(0),
-        ),
-        cost("statistics", counted, flat, None, 0.0),
-        cost(
-            "all channels of an EXR",
-            layers,
-            flat,
-            None,
-            pixels * channel_bytes().iter().map(|c| c.1).sum::<f64>(),
-        ),
-    ];
+    let mut costs = pictures.costs(&times, budget);
     costs.sort_by(|a, b| a.feature.cmp(b.feature));
     Ok(costs)
+}
+
+impl Pictures {
+    fn new(budget: &ReportBudget) -> Result<Self, ReportError> {
+        let count = 20_000.min(budget.largest);
+        let plain = ball(count, false, false);
+        let normals = ball(count, true, false);
+        let mapped = ball(count, false, true);
+        let texture = checkers();
+        let eight = Scene {
+            objects: (0..8)
+                .map(|part| Object::new("part", Arc::new(every_eighth_triangle(&plain, part))))
+                .collect(),
+        };
+        let mut wired = settings_for(Mode::Flat);
+        wired.shading.wireframe = Some(Wireframe::default());
+        // Flat shading shows textures. This texture is present, but has no effect with a blend factor of zero.
+        let mut unblended = settings_for(Mode::Flat);
+        unblended.shading.blend = 0.0;
+        let layered = Settings {
+            layers: true,
+            ..settings_for(Mode::Flat)
+        };
+        let flat = || settings_for(Mode::Flat);
+        let plain_scene = || scene_of(&plain, None);
+        let normals_scene = || scene_of(&normals, None);
+        let mapped_scene = || scene_of(&mapped, texture.as_ref());
+        let pictures = [
+            (Variant::Plain, plain_scene(), flat()),
+            (Variant::Smooth, normals_scene(), settings_for(Mode::Smooth)),
+            (Variant::UnusedNormals, normals_scene(), flat()),
+            (
+                Variant::Textured,
+                mapped_scene(),
+                settings_for(Mode::Texture),
+            ),
+            (Variant::UnusedTexture, mapped_scene(), unblended),
+            (Variant::Wireframe, plain_scene(), wired),
+            (Variant::AllChannels, plain_scene(), layered),
+            (Variant::EightObjects, eight, flat()),
+            (Variant::Counted, plain_scene(), flat()),
+        ];
+        let timed =
+            |(variant, scene, settings)| TimedPicture::new(variant, scene, settings, budget);
+        Ok(Self {
+            pictures: pictures.into_iter().map(timed).collect::<Result<_, _>>()?,
+            vertices: plain.positions().len(),
+            texels: texture.as_ref().map_or(0, |texture| {
+                texture.width() as usize * texture.height() as usize
+            }),
+        })
+    }
+
+    fn at(&self, variant: Variant) -> usize {
+        let mut pictures = self.pictures.iter();
+        let found = pictures.position(|picture| picture.variant == variant);
+        found.expect("every variant has a picture")
+    }
+
+    /// What the pictures' `times`, in seconds, say of each feature.
+    fn costs(&self, times: &[Spread], budget: &ReportBudget) -> Vec<FeatureCost> {
+        let time = |variant| times[self.at(variant)].scaled(1e3);
+        let cost = |feature, with: Variant, unused: Option<Variant>, bytes: usize| FeatureCost {
+            feature,
+            used: [time(with), time(Variant::Plain)],
+            unused: unused.map(time),
+            bytes: bytes as f64,
+        };
+        let tree_bytes = |variant| {
+            let picture = &self.pictures[self.at(variant)];
+            picture.view.accel.retained_bytes()
+        };
+        let pixels = budget.size.0 as usize * budget.size.1 as usize;
+        let normals = self.vertices * size_of::<Vec3>();
+        let texture = self.vertices * size_of::<Vec2>() + self.texels * 4;
+        let channels = pixels * channel_bytes().iter().map(|c| c.1).sum::<usize>();
+        let objects = tree_bytes(Variant::EightObjects) as f64 - tree_bytes(Variant::Plain) as f64;
+        vec![
+            cost(
+                "smooth normals",
+                Variant::Smooth,
+                Some(Variant::UnusedNormals),
+                normals,
+            ),
+            cost(
+                "texture",
+                Variant::Textured,
+                Some(Variant::UnusedTexture),
+                texture,
+            ),
+            cost("wireframe", Variant::Wireframe, None, 0),
+            FeatureCost {
+                bytes: objects,
+                ..cost("several objects (8)", Variant::EightObjects, None, 0)
+            },
+            cost("statistics", Variant::Counted, None, 0),
+            cost(
+                "all channels of an EXR",
+                Variant::AllChannels,
+                None,
+                channels,
+            ),
+        ]
+    }
 }
 
 /// A scene with one object.
@@ -180,7 +208,12 @@ fn settings_for(mode: Mode) -> Settings {
 }
 
 impl TimedPicture {
-    fn new(scene: Scene, settings: Settings, budget: &ReportBudget) -> Result<Self, ReportError> {
+    fn new(
+        variant: Variant,
+        scene: Scene,
+        settings: Settings,
+        budget: &ReportBudget,
+    ) -> Result<Self, ReportError> {
         let camera = views::filling(&scene, budget.size, views::FOV, 1.0)?;
         let accel = Arc::new(Accel::build(&scene)?.with_simd(budget.simd));
         let view = View {
@@ -189,17 +222,16 @@ impl TimedPicture {
             camera,
             settings,
         };
-        Ok(Self {
-            view,
-            counted: false,
-        })
+        Ok(Self { variant, view })
     }
 
     fn render(&self) {
+        // `--stats` and the window record statistics, with a clock.
+        let counted = self.variant == Variant::Counted;
         let started = Instant::now();
         let rays = AtomicU64::new(0);
         let clock = || {
-            if self.counted {
+            if counted {
                 started.elapsed()
             } else {
                 Duration::ZERO
@@ -208,7 +240,7 @@ impl TimedPicture {
         let picture = self
             .view
             .render(Grid::default(), &clock, &Cancel::default(), &|stats| {
-                if self.counted {
+                if counted {
                     rays.fetch_add(stats.rays, Ordering::Relaxed);
                 }
             });
@@ -217,9 +249,9 @@ impl TimedPicture {
 }
 
 /// Bytes per pixel of each optional channel of a picture.
-fn channel_bytes() -> [(&'static str, f64); 6] {
-    fn bytes_per_value<T>(_: fn(Layers) -> Vec<T>) -> f64 {
-        size_of::<T>() as f64
+fn channel_bytes() -> [(&'static str, usize); 6] {
+    fn bytes_per_value<T>(_: fn(Layers) -> Vec<T>) -> usize {
+        size_of::<T>()
     }
     [
         (
@@ -350,7 +382,7 @@ pub fn show(section: &mut Section, costs: &[FeatureCost]) {
     section.paragraph("Channels beside the 8-bit colours, by the pixel (kept for `.exr` alone):");
     let mut table = Table::new(&["channel", "bytes a pixel"]);
     for (channel, bytes) in channel_bytes() {
-        table.row(vec![channel.into(), Cell::short(bytes)]);
+        table.row(vec![channel.into(), Cell::short(bytes as f64)]);
     }
     section.table("e-channels", table);
 }
