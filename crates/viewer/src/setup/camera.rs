@@ -1,8 +1,8 @@
 use crate::cli::{CameraArgs, StereoArg};
 use crate::failure::Failure;
 use raycast_core::camera::{
-    Camera, Orbit, Placement, PlaneRequest, Projection, Stereo, StereoKind, fit_distance,
-    frame_to_fov,
+    Camera, ImagePlane, Orbit, Panorama, Placement, PlaneRequest, Projection, Stereo, StereoKind,
+    fit_distance, frame_to_fov,
 };
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::ranges;
@@ -21,119 +21,205 @@ pub fn camera(
     image: ImageSettings,
     bounds: &Bounds,
 ) -> Result<Camera, Failure> {
-    let file_size = image.size;
-    let projection = args
-        .projection
-        .or(file.map(|file| file.projection))
-        .unwrap_or_default();
-    let projection = match args.lens {
-        None => projection,
-        Some(lens) if projection.name() == Projection::Perspective.name() => {
-            Projection::through(lens)
-        }
-        Some(_) => {
-            return Err(Failure::usage(format!(
-                "--lens is for --projection perspective, not {projection}"
-            )));
-        }
-    };
-    let shift = args.shift.or(image.shift).unwrap_or_default();
-    if shift != [0.0; 2] && projection.panorama().is_some() && projection.lens().is_none() {
-        return Err(Failure::usage(format!(
-            "--shift is for perspective and orthographic pictures, not {projection}"
-        )));
-    }
+    let projection = projection(args, file)?;
+    let shift = shift(args, image, projection)?;
     let stereo = stereo(args, image.stereo)?;
-    if let Some(stereo) = &stereo {
-        let checked = stereo.check(projection, None);
-        checked.map_err(|error| Failure::usage(error.to_string()))?;
-    }
-    let (across, down) = stereo.map_or((1, 1), |stereo| stereo.pictures());
-    // A field of view and a shape have another meaning in another type of projection.
-    let kind = |projection: Projection| {
-        projection
-            .panorama()
-            .filter(|_| projection.lens().is_none())
+    check_stereo(stereo.as_ref(), projection, None)?;
+    let request = CameraRequest {
+        args,
+        file,
+        image,
+        projection,
+        stereo,
     };
-    let alike = file.filter(|file| kind(file.projection) == kind(projection));
-    let rows = file_size.map_or(DEFAULT_SIZE.1, |(_, rows)| rows);
-    let default_size = match (kind(projection), alike) {
-        (Some(panorama), None) => panorama.size(rows),
-        _ => file_size.unwrap_or(DEFAULT_SIZE),
-    };
-    // A size is that of the whole picture.
-    let is_the_files_kind =
-        image.stereo.map(|stereo| stereo.kind) == stereo.map(|stereo| stereo.kind);
-    let default_size = match alike.is_some() && is_the_files_kind && file_size.is_some() {
-        true => default_size,
-        false => (default_size.0 * across, default_size.1 * down),
-    };
-    // The file's own was checked when it was read.
-    if let Some(fov) = args.fov
-        && let Err(error) = projection.check_fov(fov)
-    {
-        return Err(Failure::usage(format!("--fov {fov}: {error}")));
-    }
-    let fov = args.fov.or(alike.map(fov_of));
-    let fov = fov.unwrap_or(projection.default_fov());
+    let default_size = request.default_size();
+    let fov = request.fov()?;
     let (columns, rows) = args.size.unwrap_or(default_size);
+    let (across, down) = request.pictures();
     let aspect = f64::from(columns * down) / f64::from(rows * across);
-
     let placement = placement(args, file, bounds, |orbit| {
         fit_distance(bounds, orbit, projection, fov, aspect)
     });
     placement.check()?;
+    let plane = request.plane(default_size, fov, &placement)?;
     let distance = placement.eye.distance(placement.target);
-    let frame = match file {
-        // As in the file: conversion to an angle and back would round it.
-        Some(file)
-            if file.projection == Projection::Orthographic
-                && projection == Projection::Orthographic
-                && placement == file.placement
-                && args.fov.is_none() =>
-        {
-            file.frame
-        }
-        _ => projection.frame(fov, distance) * f64::from(down),
-    };
-    let is_the_files = args.step.is_none()
-        && args.fov.is_none()
-        && file.is_some_and(|file| (file.placement, file.projection) == (placement, projection))
-        && file_size.is_some_and(|size| size == args.size.unwrap_or(size));
-    let request = match image.step.filter(|_| is_the_files) {
-        Some(step) => PlaneRequest {
-            size: file_size,
-            step: Some(step),
-            // A panorama may have more rows than its field of view.
-            frame_height: projection.panorama().is_none().then_some(frame),
-        },
-        None => PlaneRequest {
-            size: args.size,
-            step: args.step,
-            frame_height: (args.fov).map(|fov| projection.frame(fov, distance) * f64::from(down)),
-        },
-    };
-    let plane = request.resolve(default_size, frame)?;
-    if let (Some(step), Projection::Perspective) = (args.step, projection) {
-        let fov = frame_to_fov(f64::from(plane.rows) * step, distance);
-        if let Err(error) = ranges::fov(fov) {
-            return Err(Failure::usage(format!("a step of {step}: {error}")));
-        }
-    }
-    let stereo = stereo.map(|mut stereo| {
-        if stereo.kind == StereoKind::Pair {
-            let is_planar = kind(projection).is_none();
-            let usual = if is_planar { distance } else { f64::INFINITY };
-            stereo.convergence.get_or_insert(usual);
-        }
-        stereo
-    });
-    if let Some(stereo) = &stereo {
-        let checked = stereo.check(projection, Some(plane));
-        checked.map_err(|error| Failure::usage(error.to_string()))?;
-    }
+    let stereo = stereo.map(|stereo| converging(stereo, projection, distance));
+    check_stereo(stereo.as_ref(), projection, Some(plane))?;
     let camera = Camera::new(placement, projection, plane);
     Ok(camera.shifted(shift).in_stereo(stereo))
+}
+
+/// What a camera is made from: options before the scene file's settings before defaults.
+struct CameraRequest<'a> {
+    args: &'a CameraArgs,
+    file: Option<&'a CameraFile>,
+    image: ImageSettings,
+    projection: Projection,
+    stereo: Option<Stereo>,
+}
+
+impl<'a> CameraRequest<'a> {
+    /// The numbers of pictures side by side and one above the other.
+    fn pictures(&self) -> (u32, u32) {
+        self.stereo.map_or((1, 1), |stereo| stereo.pictures())
+    }
+
+    /// The scene file's camera if it is of the same type: in another one a field of view and a shape have another
+    /// meaning.
+    fn alike(&self) -> Option<&'a CameraFile> {
+        let kind = panorama(self.projection);
+        self.file.filter(|file| panorama(file.projection) == kind)
+    }
+
+    /// The size of the whole picture where no option gives it.
+    fn default_size(&self) -> (u32, u32) {
+        let file_size = self.image.size;
+        let alike = self.alike();
+        let rows = file_size.map_or(DEFAULT_SIZE.1, |(_, rows)| rows);
+        let size = match (panorama(self.projection), alike) {
+            (Some(panorama), None) => panorama.size(rows),
+            _ => file_size.unwrap_or(DEFAULT_SIZE),
+        };
+        let kind = |stereo: Option<Stereo>| stereo.map(|stereo| stereo.kind);
+        let is_the_files_kind = kind(self.image.stereo) == kind(self.stereo);
+        if alike.is_some() && is_the_files_kind && file_size.is_some() {
+            return size;
+        }
+        let (across, down) = self.pictures();
+        (size.0 * across, size.1 * down)
+    }
+
+    /// The vertical field of view, in degrees.
+    fn fov(&self) -> Result<f64, Failure> {
+        // The file's own was checked when it was read.
+        if let Some(fov) = self.args.fov
+            && let Err(error) = self.projection.check_fov(fov)
+        {
+            return Err(Failure::usage(format!("--fov {fov}: {error}")));
+        }
+        let fov = self.args.fov.or(self.alike().map(fov_of));
+        Ok(fov.unwrap_or(self.projection.default_fov()))
+    }
+
+    /// The image plane of a camera at `placement`.
+    fn plane(
+        &self,
+        default_size: (u32, u32),
+        fov: f64,
+        placement: &Placement,
+    ) -> Result<ImagePlane, Failure> {
+        let (args, projection) = (self.args, self.projection);
+        let distance = placement.eye.distance(placement.target);
+        let (_, down) = self.pictures();
+        let frame_of = |fov| projection.frame(fov, distance) * f64::from(down);
+        let frame = self
+            .frame_of_file(placement)
+            .unwrap_or_else(|| frame_of(fov));
+        let request = match self.step_of_file(placement) {
+            Some(step) => PlaneRequest {
+                size: self.image.size,
+                step: Some(step),
+                // A panorama may have more rows than its field of view.
+                frame_height: projection.panorama().is_none().then_some(frame),
+            },
+            None => PlaneRequest {
+                size: args.size,
+                step: args.step,
+                frame_height: args.fov.map(frame_of),
+            },
+        };
+        let plane = request.resolve(default_size, frame)?;
+        if let (Some(step), Projection::Perspective) = (args.step, projection) {
+            let fov = frame_to_fov(f64::from(plane.rows) * step, distance);
+            if let Err(error) = ranges::fov(fov) {
+                return Err(Failure::usage(format!("a step of {step}: {error}")));
+            }
+        }
+        Ok(plane)
+    }
+
+    /// An orthographic scene file's frame, if it is still valid: conversion to an angle and back would round it.
+    fn frame_of_file(&self, placement: &Placement) -> Option<f64> {
+        let is_valid = |file: &&CameraFile| {
+            file.projection == Projection::Orthographic
+                && self.projection == Projection::Orthographic
+                && *placement == file.placement
+                && self.args.fov.is_none()
+        };
+        self.file.filter(is_valid).map(|file| file.frame)
+    }
+
+    /// A scene file's step, if size and view are the file's.
+    fn step_of_file(&self, placement: &Placement) -> Option<f64> {
+        let args = self.args;
+        let is_the_view =
+            |file: &CameraFile| (file.placement, file.projection) == (*placement, self.projection);
+        let is_the_size = |size| size == args.size.unwrap_or(size);
+        let is_valid = args.step.is_none()
+            && args.fov.is_none()
+            && self.file.is_some_and(is_the_view)
+            && self.image.size.is_some_and(is_the_size);
+        self.image.step.filter(|_| is_valid)
+    }
+}
+
+/// A projection's panorama; `None` for planes, also those behind a lens.
+fn panorama(projection: Projection) -> Option<Panorama> {
+    projection
+        .panorama()
+        .filter(|_| projection.lens().is_none())
+}
+
+/// The requested projection, through the requested lens.
+fn projection(args: &CameraArgs, file: Option<&CameraFile>) -> Result<Projection, Failure> {
+    let projection = args
+        .projection
+        .or(file.map(|file| file.projection))
+        .unwrap_or_default();
+    match args.lens {
+        None => Ok(projection),
+        Some(lens) if projection.name() == Projection::Perspective.name() => {
+            Ok(Projection::through(lens))
+        }
+        Some(_) => Err(Failure::usage(format!(
+            "--lens is for --projection perspective, not {projection}"
+        ))),
+    }
+}
+
+/// The requested shift of the frame.
+fn shift(
+    args: &CameraArgs,
+    image: ImageSettings,
+    projection: Projection,
+) -> Result<[f64; 2], Failure> {
+    let shift = args.shift.or(image.shift).unwrap_or_default();
+    if shift != [0.0; 2] && panorama(projection).is_some() {
+        return Err(Failure::usage(format!(
+            "--shift is for perspective and orthographic pictures, not {projection}"
+        )));
+    }
+    Ok(shift)
+}
+
+fn check_stereo(
+    stereo: Option<&Stereo>,
+    projection: Projection,
+    plane: Option<ImagePlane>,
+) -> Result<(), Failure> {
+    let Some(stereo) = stereo else { return Ok(()) };
+    let checked = stereo.check(projection, plane);
+    checked.map_err(|error| Failure::usage(error.to_string()))
+}
+
+/// A pair of planar pictures converges at the target if nothing else is requested, other pairs at infinity.
+fn converging(mut stereo: Stereo, projection: Projection, distance: f64) -> Stereo {
+    if stereo.kind == StereoKind::Pair {
+        let is_planar = panorama(projection).is_none();
+        let usual = if is_planar { distance } else { f64::INFINITY };
+        stereo.convergence.get_or_insert(usual);
+    }
+    stereo
 }
 
 /// The layout for two eyes, if requested.
