@@ -153,7 +153,7 @@ pub(super) fn read_turned(state: &mut State) -> Option<Effect> {
         return None;
     }
     let paths = document.paths.clone();
-    (!paths.is_empty()).then(|| Effect::Open(paths, Keep::Look))
+    (!paths.is_empty()).then_some(Effect::Open(paths, Keep::Look))
 }
 
 /// Whether edits can be carried over when the files are reloaded: not for a scene file, which defines its objects
