@@ -42,6 +42,8 @@ open() {
     xdotool windowmove "$id" 0 0 windowsize "$id" "${size%x*}" "${size#*x}" windowfocus "$id"
     width=${size%x*} height=${size#*x}
     settle
+    # A click beside everything ends the line about the mouse.
+    click 20 $((height - 60))
 }
 
 look() {

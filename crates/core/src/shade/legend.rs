@@ -1,9 +1,9 @@
 //! Legends of colour scales, as values and drawn into the picture.
 
-use super::own_color::fitted_range;
+use super::own_color::{fitted_range, knows_range};
 use super::{Shading, srgb};
 use crate::camera::{Camera, Rect};
-use crate::scene::{COLOR_MAP_STEPS, ColorRule, ColorScale, Curvature, Quantity, Scene};
+use crate::scene::{COLOR_MAP_STEPS, ColorRule, ColorScale, Curvature, Object, Quantity, Scene};
 use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
 use glam::Vec3;
 
@@ -36,10 +36,33 @@ impl Legend {
     /// The legend of the first visible object whose rule shows numbers.
     pub(super) fn of_objects(scene: &Scene, camera: &Camera, shading: &Shading) -> Option<Self> {
         let mut objects = scene.objects.iter().filter(|object| object.visible);
-        let quantity = objects.find_map(|object| match &object.color {
-            ColorRule::Value(quantity) => Some(quantity),
-            _ => None,
-        })?;
+        let quantity = objects.find_map(shown_quantity)?;
+        Self::of_quantity(quantity, scene, camera, shading)
+    }
+
+    /// The legend of one object's numbers, in a mode that shows objects' colours; `None` where its rule shows none, and where a
+    /// picture would first compute their range.
+    pub fn of_object(
+        number: usize,
+        scene: &Scene,
+        camera: &Camera,
+        shading: &Shading,
+    ) -> Option<Self> {
+        let object = scene.objects.get(number).filter(|object| object.visible)?;
+        let quantity = shown_quantity(object)?;
+        let is_fitted = shading.scale.unwrap_or_default().range.is_none();
+        if is_fitted && !knows_range(scene, quantity) {
+            return None;
+        }
+        Self::of_quantity(quantity, scene, camera, shading)
+    }
+
+    fn of_quantity(
+        quantity: &Quantity,
+        scene: &Scene,
+        camera: &Camera,
+        shading: &Shading,
+    ) -> Option<Self> {
         let scale = shading.scale.unwrap_or_default();
         let fitted = || fitted_range(scene, camera, quantity);
         Some(Self {
@@ -108,6 +131,13 @@ impl Legend {
             width,
             height,
         })
+    }
+}
+
+fn shown_quantity(object: &Object) -> Option<&Quantity> {
+    match &object.color {
+        ColorRule::Value(quantity) => Some(quantity),
+        _ => None,
     }
 }
 

@@ -47,8 +47,7 @@ pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -
     let mut spans = Vec::new();
     if let ColorRule::Value(quantity) = &of.color {
         let is_known = of.mesh.knows_values(quantity)
-            && (scale.range.is_some()
-                || showing(scene, quantity).all(|object| object.mesh.knows_range(quantity)));
+            && (scale.range.is_some() || knows_range(scene, quantity));
         if !is_known {
             return None;
         }
@@ -277,6 +276,11 @@ pub(super) fn fitted_range(
     ranges
         .map(|range| range.map(f64::from))
         .reduce(|[low, high], [less, more]| [low.min(less), high.max(more)])
+}
+
+/// Whether the range that a quantity's colours are fitted to was computed before.
+pub(super) fn knows_range(scene: &Scene, quantity: &Quantity) -> bool {
+    showing(scene, quantity).all(|object| object.mesh.knows_range(quantity))
 }
 
 /// The visible objects that show a quantity.

@@ -10,7 +10,10 @@ use std::sync::Arc;
 /// Starts an effect's work on its thread. Effects of the window itself are not handled here: clipboard, keys, closing.
 pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
     match effect {
-        Effect::Open(paths, keep) => files.open(paths, keep),
+        Effect::Open(paths, keep) => {
+            files.set_limits(state.limits);
+            files.open(paths, keep);
+        }
         Effect::Add(paths) => files.add(paths),
         Effect::OpenNeighbor(path, step) => files.open_neighbor(path, step),
         Effect::OpenCase(name) => files.open_case(name),
@@ -37,6 +40,11 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
         }
         Effect::SavePicture { path, replace } => save_picture(state, files, path, replace),
         Effect::SaveScene { path, replace } => save_scene(state, files, path, replace),
+        Effect::SaveSceneCopy { path, replace } => {
+            if let Some(scene) = state.scene_file() {
+                files.save_scene_copy(scene, path, replace);
+            }
+        }
         Effect::SaveMeasurements { path, replace } => {
             let text = state.measuring.csv(&state.lengths());
             files.save_text(text, path, PromptKind::Measurements, replace);
@@ -57,7 +65,12 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
         Effect::Check { objects, deep } => check(state, files, &objects, deep),
         Effect::OpenKeysFile => keys::open(state, files),
         Effect::ReadKeysFile => keys::read_again(state, files),
-        Effect::SetKeys { .. } | Effect::Copy(_) | Effect::Close => {}
+        Effect::RenderCopy => {
+            if let Some(picture) = picture(state) {
+                files.copy_picture(picture);
+            }
+        }
+        Effect::SetKeys { .. } | Effect::Copy(_) | Effect::CopyImage(_) | Effect::Close => {}
     }
 }
 
@@ -91,14 +104,18 @@ fn check(state: &State, files: &Files, numbers: &[usize], deep: bool) {
 }
 
 fn save_picture(state: &State, files: &Files, path: PathBuf, replace: bool) {
-    if let Some(view) = state.view_at_rest() {
-        let picture = Saving {
-            view,
-            grid: state.grid,
-            threads: state.threads,
-        };
+    if let Some(picture) = picture(state) {
         files.save(picture, path, replace);
     }
+}
+
+/// The picture at rest.
+fn picture(state: &State) -> Option<Saving> {
+    Some(Saving {
+        view: state.view_at_rest()?,
+        grid: state.grid,
+        threads: state.threads,
+    })
 }
 
 fn save_scene(state: &State, files: &Files, path: PathBuf, replace: bool) {

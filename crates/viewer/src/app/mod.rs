@@ -117,6 +117,7 @@ impl App {
         {
             remembered.restore(&mut state);
         }
+        let limits = state.preferences.limits(limits);
         let tasks = Files::new(Arc::clone(&wake)).within(limits);
         let renderer =
             Renderer::start(Arc::clone(&clock), Arc::clone(&wake), outbox, tasks.fault())?;
@@ -278,6 +279,12 @@ impl App {
                 self.keys_file = keys::path().and_then(|path| path.canonicalize().ok());
             }
             Some(Effect::Copy(text)) => context.copy_text(text),
+            Some(Effect::CopyImage(copied)) => {
+                let (columns, rows) = copied.size;
+                let size = [columns as usize, rows as usize];
+                let pixels = copied.pixels.as_flattened();
+                context.copy_image(egui::ColorImage::from_rgba_unmultiplied(size, pixels));
+            }
             Some(Effect::Close) => {
                 self.may_close = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -304,7 +311,7 @@ impl App {
             &mut self.overlay,
             &mut commands,
         );
-        self.state.viewport = place.pixels;
+        self.state.set_viewport(place.pixels);
         self.state.hover = place.hover;
         for command in commands.drain(..) {
             if !command.moves_camera() {

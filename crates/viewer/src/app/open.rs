@@ -4,6 +4,7 @@ use super::frames::{self, Frames};
 use super::log::FrameLog;
 use super::{App, Link};
 use crate::output::print_error;
+use crate::state::listing::in_working_folder;
 use crate::worker::SharedClock;
 use crate::worker::outbox::Outbox;
 use raycast_core::formats::Limits;
@@ -60,7 +61,8 @@ pub fn run(options: Options) -> ExitCode {
         };
         let create: eframe::AppCreator<'_> = Box::new(|context| {
             std::panic::set_hook(hook);
-            let app = App::new(context, options.files, log, link)?;
+            let files = options.files.into_iter().map(in_working_folder).collect();
+            let app = App::new(context, files, log, link)?;
             opened.store(true, Ordering::Relaxed);
             Ok(Box::new(app))
         });

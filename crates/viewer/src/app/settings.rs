@@ -28,7 +28,9 @@ pub struct Remembered {
     smooth: bool,
     refine: bool,
     watch: bool,
+    z_up: bool,
     unit: Option<String>,
+    knows_mouse: bool,
     recent: Vec<PathBuf>,
     views: Vec<(PathBuf, Vec<String>)>,
 }
@@ -79,7 +81,9 @@ impl Remembered {
             smooth: state.preferences.smooth,
             refine: state.preferences.refine,
             watch: state.preferences.watch,
+            z_up: state.preferences.z_up,
             unit: state.preferences.unit.map(|unit| unit.name().to_owned()),
+            knows_mouse: state.preferences.knows_mouse,
             recent: state.preferences.recent.clone(),
             views: state.preferences.views.clone(),
         }
@@ -133,9 +137,11 @@ impl Remembered {
             smooth: self.smooth,
             refine: self.refine,
             watch: self.watch,
+            z_up: self.z_up,
             unit: LengthUnit::ALL
                 .into_iter()
                 .find(|unit| self.unit.as_deref() == Some(unit.name())),
+            knows_mouse: self.knows_mouse,
             recent: self.recent.clone(),
             views: self.views.clone(),
         };
@@ -168,7 +174,9 @@ mod tests {
                 smooth: false,
                 refine: false,
                 watch: false,
+                z_up: true,
                 unit: Some(LengthUnit::Inch),
+                knows_mouse: true,
                 recent: vec!["/a/b.obj".into()],
                 views: vec![("/a/b.obj".into(), vec!["--eye 0,0,1".to_owned()])],
             },

@@ -1,10 +1,11 @@
 //! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint without a scene.
 
-use super::widgets::select_all;
+use super::widgets::select_text;
 use super::{Commands, Status};
 use crate::state::command::Command;
 use crate::state::effect::Keep;
 use crate::state::listing::folder_of;
+use crate::state::preferences::Mouse;
 use crate::state::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use crate::ui::registry::{Keymap, action};
 use crate::ui::theme;
@@ -66,6 +67,7 @@ pub(super) fn show(
             }
         });
     }
+    mouse_hint(context, room, state);
     if !state.toasts.is_empty() {
         Area::new(Id::unique("toasts"))
             .order(Order::Middle)
@@ -81,6 +83,33 @@ pub(super) fn show(
             });
     }
     held_files(context, room, state);
+}
+
+/// What the mouse does in the picture, until it is used there for the first time.
+fn mouse_hint(context: &Context, room: egui::Rect, state: &State) {
+    let has_other = !state.toasts.is_empty() || state.prompt.is_some() || state.walk.is_some();
+    if state.preferences.knows_mouse || state.document.is_none() || has_other {
+        return;
+    }
+    let drags = match state.preferences.mouse {
+        Mouse::Viewer => "Drag to orbit, right drag to pan",
+        Mouse::Blender => "Middle drag to orbit, with Shift to pan",
+        Mouse::Cad => "Right drag to orbit, middle drag to pan",
+    };
+    let keys = match Keymap::of(context).key(action("help.keys")) {
+        key if key.is_empty() => "Help has the rest".to_owned(),
+        key => format!("{key} for the rest"),
+    };
+    Area::new(Id::unique("mouse hint"))
+        .order(Order::Middle)
+        .pivot(Align2::CENTER_BOTTOM)
+        .fixed_pos(room.center_bottom() - vec2(0.0, 14.0))
+        .interactable(false)
+        .show(context, |ui| {
+            ui.set_max_width(width(room));
+            let text = format!("{drags}, wheel to zoom, click to read values; {keys}");
+            card(ui, theme::colors(ui).line).show(ui, |ui| ui.label(text));
+        });
 }
 
 /// The width of what lies over the picture, in points.
@@ -183,6 +212,11 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
         PromptKind::Measurements => ("Save the measurements", "Save", "a name ending in .csv"),
         PromptKind::Outline(_) => ("Save the outline", "Save", "a name ending in .svg or .dxf"),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
+        PromptKind::SceneCopy => (
+            "Save a copy of the scene",
+            "Save",
+            "a name ending in .raycast.toml",
+        ),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
             ("Load a texture", "Load", "path of an image")
         }
@@ -214,7 +248,9 @@ fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
                 false => prompt.text.as_str(),
             };
             let stem = stem.chars().count();
-            select_all(ui.ctx(), id, stem);
+            // What was typed already stays.
+            let from = if prompt.listing.is_some() { stem } else { 0 };
+            select_text(ui.ctx(), id, from..stem);
         }
         ui.horizontal(|ui| {
             let mut text = prompt.text.clone();

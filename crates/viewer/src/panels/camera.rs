@@ -17,12 +17,15 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         let placement = state.viewpoint.placement();
         let speed = state.viewpoint.orbit.distance * 2e-3;
         let (eye, target) = (placement.eye, placement.target);
+        let negligible = state.negligible();
         let hint = "Where the camera stands, in scene units";
-        if let Some((_, eye)) = three(ui, ("Eye", hint), eye, speed, None, "") {
+        if let Some((_, eye)) = three(ui, ("Eye", hint), (eye, negligible), speed, None, "") {
             out.push(Command::SetPlacement { eye, target });
         }
         let hint = "What it looks at and turns about, in scene units";
-        if let Some((_, target)) = three(ui, ("Target", hint), target, speed, None, "") {
+        if let Some((_, target)) =
+            three(ui, ("Target", hint), (target, negligible), speed, None, "")
+        {
             out.push(Command::SetPlacement { eye, target });
         }
         ui.horizontal(|ui| {

@@ -189,7 +189,7 @@ fn scale(ui: &mut Ui, state: &State, out: &mut Commands) {
     );
     if !is_grey {
         row(ui, "Range", "The numbers at the map's ends", |ui, label| {
-            let shown = state.legend.as_ref().map(|legend| legend.range());
+            let shown = state.shown_legend().map(|legend| legend.range());
             let hint = "Fitted to what there is";
             match tick(ui, scale.range.is_none(), "Fit", hint) {
                 Some(true) => set(ColorScale {

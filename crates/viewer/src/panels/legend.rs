@@ -13,7 +13,8 @@ const BAR: f32 = 16.0;
 
 /// Shows it at the right of the picture, where there is room.
 pub(super) fn show(painter: &Painter, state: &State, room: Rect) {
-    let Some(legend) = state.legend.as_ref().filter(|legend| !legend.scale.legend) else {
+    let legend = state.shown_legend();
+    let Some(legend) = legend.filter(|legend| !legend.scale.legend) else {
         return;
     };
     let ink = Color32::from_gray(236);

@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
             ui.weak(hint);
         }
         for (number, measurement) in measuring.list.iter().enumerate() {
-            measured(ui, number, measurement, &lengths, out);
+            measured(ui, number, measurement, (&lengths, state.negligible()), out);
         }
         if !measuring.list.is_empty() {
             ui.horizontal(|ui| {
@@ -121,7 +121,7 @@ fn measured(
     ui: &mut Ui,
     number: usize,
     measurement: &Measurement,
-    lengths: &Lengths,
+    (lengths, negligible): (&Lengths, f64),
     out: &mut Commands,
 ) {
     ui.horizontal(|ui| {
@@ -143,8 +143,11 @@ fn measured(
             if let Some(copied) = copied {
                 let mut hint = format!("Click to copy: {copied}");
                 if let (Kind::Distance, [a, b]) = (measurement.kind, &measurement.points[..]) {
-                    let d = (*b - *a).map(|way| lengths.converted(way, 1));
-                    hint = format!("Along x, y, z: {} {} {}\n{hint}", d.x, d.y, d.z);
+                    let along = (*b - *a).to_array().map(|way| {
+                        let way = format::coordinate(way, negligible);
+                        format::length(lengths.converted(way, 1))
+                    });
+                    hint = format!("Along x, y, z: {}\n{hint}", along.join("  "));
                 }
                 if response.on_hover_text(hint).clicked() {
                     out.push(Command::Copy(copied));

@@ -11,8 +11,8 @@ use crate::ui::theme;
 use egui::{Align, Button, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 use raycast_core::scene::{Color, ColorRule, Object};
 
-/// The list's greatest height, beyond which it scrolls, in points.
-const HEIGHT: f32 = 150.0;
+/// The most rows of the list before it scrolls: whole ones, so that none looks cut off.
+const ROWS: f32 = 7.0;
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     let Some(document) = &state.document else {
@@ -29,10 +29,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     ui.push_id("objects", |ui| {
         section(ui, (Icon::Boxes, &title), true, |ui| {
             let height = ui.spacing().interact_size.y;
+            let row = height + ui.spacing().item_spacing.y;
+            let most = ROWS * row - ui.spacing().item_spacing.y;
             let tree = object_tree::Tree::of(objects);
             let mut list = ScrollArea::vertical()
                 .id_salt("objects")
-                .max_height(HEIGHT)
+                .max_height(most)
                 .auto_shrink([false, true]);
             // An object that was selected elsewhere, by a click on the picture, is scrolled into view.
             let last = Id::unique("marked object");
@@ -41,9 +43,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 ui.data_mut(|data| data.insert_temp(last, state.selected));
                 if let Some(number) = state.selected {
                     let number = tree.row_of(number);
-                    let row = height + ui.spacing().item_spacing.y;
-                    list =
-                        list.vertical_scroll_offset((number as f32 * row - HEIGHT * 0.4).max(0.0));
+                    list = list.vertical_scroll_offset((number as f32 * row - most * 0.4).max(0.0));
                 }
             }
             list.show_rows(ui, height, objects.len(), |ui, rows| {
@@ -181,7 +181,7 @@ fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
     let mut name = kept.unwrap_or_else(|| object.name.clone());
     if is_new {
         ui.memory_mut(|memory| memory.request_focus(id));
-        super::widgets::select_all(ui.ctx(), id, name.chars().count());
+        super::widgets::select_text(ui.ctx(), id, 0..name.chars().count());
     }
     let field = TextEdit::singleline(&mut name)
         .id(id)

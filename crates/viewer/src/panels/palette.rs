@@ -36,7 +36,6 @@ pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
 }
 
 fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut Commands) {
-    let found = registry::found(&palette.text);
     let mut text = palette.text.clone();
     let id = Id::unique("palette");
     // Before the field is shown: it takes what is typed in this frame.
@@ -52,11 +51,18 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
             input.key_pressed(Key::Enter),
         )
     });
-    if ui.add(field).changed() {
+    // Enter runs what the text finds that is there by now, not what the last frame showed.
+    let is_changed = ui.add(field).changed();
+    let found = registry::found(&text);
+    if is_changed {
         out.push(Command::TypePalette(text));
     }
     let last = found.len().saturating_sub(1);
-    let marked = palette.marked.min(last);
+    let marked = if is_changed {
+        0
+    } else {
+        palette.marked.min(last)
+    };
     if down && marked < last {
         out.push(Command::MarkPalette(marked + 1));
     } else if up && marked > 0 {

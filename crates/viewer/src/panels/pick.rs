@@ -173,14 +173,10 @@ fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
     };
     let hit = &pinned.pick.hit;
     let point = |p: DVec3| format!("{} {} {}", p.x, p.y, p.z);
-    let short = |p: DVec3| {
-        let [x, y, z] = p.to_array().map(format::length);
-        format!("{x} {y} {z}")
-    };
+    let short = |p: DVec3| format::point(p.to_array(), state.extent()).join(" ");
     let direction = |n: DVec3| {
-        // No minus sign before a number that is displayed as zero.
-        let [x, y, z] = n.to_array().map(|c| (c * 1e4).round() * 1e-4 + 0.0);
-        format!("{x:.4} {y:.4} {z:.4}")
+        let [x, y, z] = n.to_array().map(|c| format::fixed(c, 4));
+        format!("{x} {y} {z}")
     };
     let mut values = vec![
         value(

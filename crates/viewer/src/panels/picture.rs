@@ -75,7 +75,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
                 let button = egui::Button::new("Automatic")
                     .selected(is_automatic)
                     .min_size(egui::vec2(ui.available_width(), 0.0));
-                let hint = "One while things move, 16 when nothing does and each pixel of the window has a ray";
+                let hint = "One while things move, 16 when nothing does and each pixel of the window has a ray, or the size was typed";
                 if ui.add(button).on_hover_text(hint).clicked() && !is_automatic {
                     out.push(Command::SetSamples(None));
                 }

@@ -3,6 +3,7 @@
 use super::Status;
 use super::render::pass_name;
 use crate::state::State;
+use crate::state::document::Document;
 use crate::ui::format;
 use crate::ui::theme;
 use egui::{Align, Label, Layout, RichText, Ui};
@@ -20,7 +21,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, status: &Status) {
             ui.label(RichText::new(text).color(color)).on_hover_text(hint);
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-            let hint = "What the ray under the cursor meets: t is the distance, u and v the weights of the triangle's second and third corners";
+            let hint = "What the ray under the cursor meets: t is the distance, u and v the weights of the triangle's second and third corners. Elsewhere what is open, and the size of the box around all that is visible";
             ui.add(Label::new(RichText::new(under_cursor).color(colors.quiet)).truncate())
                 .on_hover_text(hint);
         });
@@ -41,10 +42,14 @@ fn under_cursor(state: &State) -> String {
     let Some(document) = &state.document else {
         return String::new();
     };
-    if state.walk.is_some() {
-        let hint =
-            "Walk: W A S D go, E Q up and down, a drag looks around, the wheel changes speed";
-        return format!("{hint}. Esc ends");
+    if let Some(speed) = state.walk {
+        let lengths = state.lengths();
+        let speed = format::short(lengths.converted(speed * state.extent(), 1));
+        let unit = lengths.suffix(1);
+        return format!(
+            "Walk, Esc ends: W A S D go, E Q up and down, a drag looks around, Shift is faster, the wheel changes \
+             {speed}{unit} a second"
+        );
     }
     if let Some((tool, hint)) = state.measuring.tool.zip(state.measuring.hint()) {
         return format!("{}: {hint}. Esc ends", tool.name());
@@ -53,32 +58,52 @@ fn under_cursor(state: &State) -> String {
         return format!("Cut: {}. Esc ends", super::cut::points_left(points));
     }
     let Some((x, y)) = state.hover else {
-        return document.name.clone();
+        return contents(state, document);
     };
     // The ray through the pixel's centre, as in the picture.
     let pixel = (x.floor(), y.floor());
-    let place = format!("{}, {}", pixel.0, pixel.1);
-    match state.pick(pixel.0 + 0.5, pixel.1 + 0.5) {
-        Some(pick) => {
-            let hit = pick.hit;
-            let object = document
-                .scene
-                .objects
-                .get(hit.object as usize)
-                .map_or("?", |object| object.name.as_str());
-            format!(
-                "{place}   {object}   triangle {}   t {}   u {:.3}   v {:.3}   at {}, {}, {}",
-                format::count(hit.triangle.into()),
-                format::length(hit.t),
-                hit.u,
-                hit.v,
-                format::length(pick.point.x),
-                format::length(pick.point.y),
-                format::length(pick.point.z),
-            )
-        }
-        None => format!("{place}   nothing"),
+    let Some(pick) = state.pick(pixel.0 + 0.5, pixel.1 + 0.5) else {
+        return contents(state, document);
+    };
+    let hit = pick.hit;
+    let object = document.scene.objects.get(hit.object as usize);
+    let object = object.map_or("?", |object| object.name.as_str());
+    let [x, y, z] = format::point(pick.point.to_array(), state.extent());
+    // The most asked for first: a narrow window cuts off the end.
+    format!(
+        "{object}   at {x}, {y}, {z}   t {}   triangle {}   u {:.3}   v {:.3}   pixel {}, {}",
+        format::length(hit.t),
+        format::count(hit.triangle.into()),
+        hit.u,
+        hit.v,
+        pixel.0,
+        pixel.1,
+    )
+}
+
+/// What is open: its name, how much it is and how large.
+fn contents(state: &State, document: &Document) -> String {
+    let objects = &document.scene.objects;
+    let triangles: usize = objects
+        .iter()
+        .map(|object| object.mesh.triangles().len())
+        .sum();
+    let counted = |count: usize, what: &str| {
+        let plural = if count == 1 { "" } else { "s" };
+        format!("   {} {what}{plural}", format::count(count as u64))
+    };
+    let mut text = document.name.clone();
+    if objects.len() > 1 {
+        text.push_str(&counted(objects.len(), "object"));
     }
+    text.push_str(&counted(triangles, "triangle"));
+    if !document.bounds.is_empty() {
+        let lengths = state.lengths();
+        let [x, y, z] = (document.bounds.size().to_array())
+            .map(|side| format::short(lengths.converted(side, 1)));
+        text.push_str(&format!("   {x} × {y} × {z}{}", lengths.suffix(1)));
+    }
+    text
 }
 
 /// The picture's progress: its parts, the most important first.

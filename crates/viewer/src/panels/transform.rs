@@ -5,6 +5,7 @@ use super::widgets::{Number, choice, row};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::turn::Turning;
+use crate::ui::format;
 use crate::ui::registry::{self, action};
 use egui::{Button, Ui, vec2};
 use raycast_core::glam::DVec3;
@@ -19,7 +20,14 @@ pub(super) fn show(ui: &mut Ui, state: &State, number: usize, object: &Object, o
         // Dragging by a point changes a position by a thousandth of the scene's size.
         let speed = state.extent() * 1e-3;
         let hint = "Where it is put, in scene units";
-        let moved = three(ui, ("Move", hint), transform.translate, speed, None, "");
+        let moved = three(
+            ui,
+            ("Move", hint),
+            (transform.translate, state.negligible()),
+            speed,
+            None,
+            "",
+        );
         if let Some((_, translate)) = moved {
             put(Transform {
                 translate,
@@ -27,7 +35,14 @@ pub(super) fn show(ui: &mut Ui, state: &State, number: usize, object: &Object, o
             });
         }
         let hint = "Angles about x, then y, then z, in degrees";
-        let turned = three(ui, ("Rotate", hint), transform.rotate, 0.5, Some(1), "°");
+        let turned = three(
+            ui,
+            ("Rotate", hint),
+            (transform.rotate, 0.0),
+            0.5,
+            Some(1),
+            "°",
+        );
         if let Some((_, rotate)) = turned {
             put(Transform {
                 rotate,
@@ -35,7 +50,14 @@ pub(super) fn show(ui: &mut Ui, state: &State, number: usize, object: &Object, o
             });
         }
         let hint = "Factors along its axes; a negative one mirrors";
-        let scaled = three(ui, ("Scale", hint), transform.scale, 0.01, Some(3), "");
+        let scaled = three(
+            ui,
+            ("Scale", hint),
+            (transform.scale, 0.0),
+            0.01,
+            Some(3),
+            "",
+        );
         if let Some((axis, scale)) = scaled {
             let factor = scale[axis] / transform.scale[axis];
             let scale = match state.turning.keeps_shape {
@@ -141,11 +163,11 @@ fn turn(ui: &mut Ui, state: &State, number: usize, out: &mut Commands) {
     );
 }
 
-/// Three numbers; returns the index of the changed one, and all three with the change.
+/// Three numbers, 0 where they are `negligible`; returns the index of the changed one, and all three with the change.
 pub(super) fn three(
     ui: &mut Ui,
     (name, hint): (&str, &str),
-    value: DVec3,
+    (value, negligible): (DVec3, f64),
     speed: f64,
     decimals: Option<usize>,
     suffix: &str,
@@ -157,7 +179,7 @@ pub(super) fn three(
         let width = (ui.available_width() - 6.0) / 3.0;
         for (axis, letter) in AXES.iter().enumerate() {
             let number = Number {
-                value: value[axis],
+                value: format::coordinate(value[axis], negligible),
                 range: f64::MIN..=f64::MAX,
                 speed,
                 decimals,

@@ -9,7 +9,7 @@ use crate::ui::theme;
 use egui::collapsing_header::paint_default_icon;
 use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
 use raycast_core::scene::Color;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// The height of an icon, and the width that a title leaves for one, in points.
 const ICON_SIZE: f32 = 14.0;
@@ -44,11 +44,11 @@ pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Comman
     }
 }
 
-/// Selects so many characters of a text field, before it is shown.
-pub(super) fn select_all(context: &egui::Context, id: Id, characters: usize) {
+/// Selects characters of a text field, before it is shown.
+pub(super) fn select_text(context: &egui::Context, id: Id, characters: Range<usize>) {
     use egui::text::{CCursor, CCursorRange};
     let mut field = egui::text_edit::TextEditState::load(context, id).unwrap_or_default();
-    let range = CCursorRange::two(CCursor::new(0), CCursor::new(characters));
+    let range = CCursorRange::two(CCursor::new(characters.start), CCursor::new(characters.end));
     field.cursor.set_char_range(Some(range));
     field.store(context, id);
 }
@@ -237,7 +237,7 @@ impl Number<'_> {
     ) -> Option<f64> {
         let mut value = self.value;
         let text = match self.decimals {
-            Some(decimals) => format!("{value:.decimals$}"),
+            Some(decimals) => format::fixed(value, decimals),
             None => written(value),
         };
         let drag = DragValue::new(&mut value)
@@ -248,7 +248,9 @@ impl Number<'_> {
             .update_while_editing(false)
             .min_size(vec2(self.width, 0.0));
         let drag = match self.decimals {
-            Some(decimals) => drag.fixed_decimals(decimals),
+            Some(decimals) => drag
+                .fixed_decimals(decimals)
+                .custom_formatter(move |value, _| format::fixed(value, decimals)),
             None => drag.custom_formatter(move |value, _| written(value)),
         };
         let response = named(ui.add(drag)).on_hover_text(self.hint);

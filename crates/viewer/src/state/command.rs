@@ -49,6 +49,13 @@ pub enum Command {
         /// The new distance over the old.
         factor: f64,
     },
+    /// Move the eye towards what is seen at a place, and through it.
+    Push {
+        /// The place.
+        at: (f64, f64),
+        /// Notches of the wheel; backwards where negative.
+        notches: f64,
+    },
     /// Roll the camera to the right about its view axis, in degrees.
     Roll(f64),
     /// Make the point seen at a place the pivot, and centre it.
@@ -73,7 +80,7 @@ pub enum Command {
     SetWalk(bool),
     /// Walk for one frame.
     Walk {
-        /// To the right, up and forwards, each from −1 to 1.
+        /// To the right, up and forwards: 1 is the walking speed.
         way: DVec3,
         /// The frame's duration.
         seconds: f64,
@@ -280,6 +287,8 @@ pub enum Command {
     Unpin,
     /// Copy text to the clipboard.
     Copy(String),
+    /// Copy the picture to the clipboard.
+    CopyPicture,
     /// Copy the command that makes this picture.
     CopyCommand,
 
@@ -338,6 +347,8 @@ pub enum Command {
     SetSmooth(bool),
     /// Set whether still pictures get more samples.
     SetRefine(bool),
+    /// Set whether z is up in files that do not say which axis is, and read them again.
+    SetZUp(bool),
     /// Set whether files are reloaded when they change.
     SetWatch(bool),
 
@@ -353,6 +364,8 @@ pub enum Command {
     ReloadKeys,
     /// Show or hide the command palette.
     TogglePalette,
+    /// Begin the text of the palette or of the path line that was opened in this frame.
+    TypeAhead(String),
     /// Set the palette's text.
     TypePalette(String),
     /// Select a line of the palette.
@@ -372,6 +385,7 @@ impl Command {
                 | Self::Grab { .. }
                 | Self::Pan { .. }
                 | Self::Zoom { .. }
+                | Self::Push { .. }
                 | Self::Roll(_)
                 | Self::Walk { .. }
                 | Self::LookAround { .. }

@@ -2,6 +2,7 @@
 
 use super::PromptKind;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What stays when another scene is opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +14,15 @@ pub enum Keep {
     Look,
     /// Camera and look: the same scene is reloaded.
     All,
+}
+
+/// A picture for the clipboard: columns, rows, and red, green, blue and alpha of each pixel, sRGB with straight alpha.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Copied {
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// The pixels, row by row from the top.
+    pub pixels: Vec<[u8; 4]>,
 }
 
 /// Work for other threads or the window.
@@ -44,6 +54,13 @@ pub enum Effect {
     },
     /// Write the scene, likewise.
     SaveScene {
+        /// The path.
+        path: PathBuf,
+        /// Whether an existing file may be replaced.
+        replace: bool,
+    },
+    /// Write the scene to a file that does not become its own, likewise.
+    SaveSceneCopy {
         /// The path.
         path: PathBuf,
         /// Whether an existing file may be replaced.
@@ -91,6 +108,10 @@ pub enum Effect {
     },
     /// Put text on the clipboard.
     Copy(String),
+    /// Render the picture for the clipboard.
+    RenderCopy,
+    /// Put a picture on the clipboard.
+    CopyImage(Arc<Copied>),
     /// Close the window.
     Close,
 }

@@ -3,7 +3,7 @@
 use super::arrival;
 use super::as_command;
 use super::effect::{Effect, Keep};
-use super::listing::{Listing, folder_of, path_of};
+use super::listing::{Listing, folder_of, in_working_folder, path_of};
 use super::names::suggested_name;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use raycast_core::formats::DrawingFormat;
@@ -42,6 +42,13 @@ pub(super) fn type_path(state: &mut State, text: String) -> Option<Effect> {
     Some(Effect::List(folder, kind))
 }
 
+/// Begins the path line's text; of a suggested name the ending stays.
+pub(super) fn type_ahead(state: &mut State, typed: String) -> Option<Effect> {
+    let suggested = &state.prompt.as_ref()?.text;
+    let ending = suggested.find('.').map_or("", |at| &suggested[at..]);
+    type_path(state, format!("{typed}{ending}"))
+}
+
 /// Accepts the path line's text.
 pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     let prompt = state.prompt.clone()?;
@@ -52,10 +59,13 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
     if prompt.kind.saves() {
         text = with_one_ending(text, &suggested_name(state, prompt.kind));
     }
-    let path = path_of(text);
+    let mut path = path_of(text);
     // Kept until the files are read: if they cannot be, the path can be corrected.
     let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
     state.typed = opens.then(|| prompt.clone());
+    if !prompt.kind.saves() {
+        path = in_working_folder(path);
+    }
     take(state, prompt.kind, vec![path], false)
 }
 
@@ -91,6 +101,7 @@ pub(super) fn take(
         PromptKind::Add => add(state, paths),
         PromptKind::Picture => save_picture(state, paths.pop()?, asked),
         PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
+        PromptKind::SceneCopy => Some(save_scene_copy(state, paths.pop()?, asked)),
         PromptKind::Measurements => Some(save_measurements(state, paths.pop()?, asked)),
         PromptKind::Outline(plane) => save_outline(state, plane, paths.pop()?, asked),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
@@ -131,6 +142,18 @@ pub(super) fn close(state: &mut State) -> Option<Effect> {
 pub(super) fn reload(state: &State) -> Option<Effect> {
     let paths = &state.document.as_ref()?.paths;
     (!paths.is_empty()).then(|| Effect::Open(paths.clone(), Keep::All))
+}
+
+/// Reads the scene's meshes again after another axis was said to be up. A scene file says it of each of its objects.
+pub(super) fn read_turned(state: &mut State) -> Option<Effect> {
+    let document = state.document.as_ref()?;
+    if document.file.is_some() {
+        state
+            .tell("A scene file keeps its own axes: meshes that are opened from now on are turned");
+        return None;
+    }
+    let paths = document.paths.clone();
+    (!paths.is_empty()).then_some(Effect::Open(paths, Keep::Look))
 }
 
 /// Whether edits can be carried over when the files are reloaded: not for a scene file, which defines its objects
@@ -198,18 +221,29 @@ pub(super) fn save_scene(state: &mut State) -> Option<Effect> {
 pub(super) fn save_scene_as(state: &mut State, path: PathBuf, replace: bool) -> Option<Effect> {
     state.prompt = None;
     state.replacing = None;
-    let mut name = path.into_os_string();
-    if !name
-        .to_string_lossy()
-        .to_ascii_lowercase()
-        .ends_with(".toml")
-    {
-        name.push(".raycast.toml");
-    }
     Some(Effect::SaveScene {
-        path: name.into(),
+        path: as_scene_name(path),
         replace,
     })
+}
+
+/// Saves the scene to another file, likewise; what is open stays the file that it was.
+fn save_scene_copy(state: &mut State, path: PathBuf, replace: bool) -> Effect {
+    state.prompt = None;
+    state.replacing = None;
+    Effect::SaveSceneCopy {
+        path: as_scene_name(path),
+        replace,
+    }
+}
+
+fn as_scene_name(path: PathBuf) -> PathBuf {
+    let mut name = path.into_os_string();
+    let text = name.to_string_lossy().to_ascii_lowercase();
+    if !text.ends_with(".toml") {
+        name.push(".raycast.toml");
+    }
+    name.into()
 }
 
 /// Saves the picture; a name with an unknown ending is refused while it can still be corrected.
@@ -228,6 +262,7 @@ pub(super) fn replace(state: &mut State) -> Option<Effect> {
     let Replacing { path, by } = state.replacing.take()?;
     match by {
         PromptKind::Scene => save_scene_as(state, path, true),
+        PromptKind::SceneCopy => Some(save_scene_copy(state, path, true)),
         PromptKind::Measurements => Some(save_measurements(state, path, true)),
         PromptKind::Outline(plane) => save_outline(state, plane, path, true),
         _ => save_picture(state, path, true),

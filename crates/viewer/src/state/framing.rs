@@ -7,6 +7,7 @@ use raycast_core::camera::{Camera, ImagePlane, PlaneError, PlaneRequest, Project
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::{Bounds, Masks};
+use raycast_core::shade::{Legend, Mode};
 use std::sync::Arc;
 
 impl State {
@@ -29,13 +30,17 @@ impl State {
         self.viewpoint.frame_height()
     }
 
-    /// Samples a pixel of a still or saved picture: as set, else [`REST_SAMPLES`] if each pixel of the window has one
-    /// ray and the preferences allow it.
+    /// Samples a pixel of a still or saved picture: as set, else [`REST_SAMPLES`] if the preferences allow it and each
+    /// pixel of the window has one ray, or columns and rows were typed: that is a picture to be saved. A person who
+    /// makes the step larger wants to see single rays.
     pub fn rest_samples(&self) -> u32 {
-        let is_one_to_one = self.resolution == Resolution::Window { density: 1.0 };
+        let is_picture = match self.resolution {
+            Resolution::Window { density } => density == 1.0,
+            Resolution::Fixed(..) => true,
+        };
         match self.samples {
             Some(samples) => samples,
-            None if self.preferences.refine && is_one_to_one => REST_SAMPLES,
+            None if self.preferences.refine && is_picture => REST_SAMPLES,
             None => 1,
         }
     }
@@ -101,6 +106,12 @@ impl State {
         if length.is_normal() { length } else { 1.0 }
     }
 
+    /// The greatest coordinate that is displayed as 0: what arithmetic leaves of zeros is below it, and what a person can
+    /// see above it. Zooming ends at 1e-5 of the scene's size, where a pixel is some 1e-8 of it.
+    pub fn negligible(&self) -> f64 {
+        self.extent() * 1e-9
+    }
+
     /// The picture's width over its height.
     pub fn aspect(&self) -> f64 {
         let (columns, rows) = match self.resolution {
@@ -125,6 +136,23 @@ impl State {
     pub fn fitted(&self, viewpoint: Viewpoint) -> Viewpoint {
         let center = self.bounds().center();
         viewpoint.fitted(center, self.aspect(), |direction| self.support(direction))
+    }
+
+    /// Sets the size of the picture's place. A view that was fitted to what is visible stays so, as does the first one.
+    pub fn set_viewport(&mut self, pixels: (u32, u32)) {
+        if self.viewport == pixels {
+            return;
+        }
+        let is_fitted = |state: &Self, view| state.document.is_some() && view == state.fitted(view);
+        let fits = self.motion.is_none() && is_fitted(self, self.viewpoint);
+        let home_fits = is_fitted(self, self.home);
+        self.viewport = pixels;
+        if fits {
+            self.viewpoint = self.fitted(self.viewpoint);
+        }
+        if home_fits {
+            self.home = self.fitted(self.home);
+        }
     }
 
     /// Everything that decides a picture in motion; `None` while there is no scene.
@@ -159,6 +187,18 @@ impl State {
             hit,
             point: ray.at(hit.t),
         })
+    }
+
+    /// The legend to show: of the selected object where it shows numbers by itself, else the picture's.
+    pub fn shown_legend(&self) -> Option<Arc<Legend>> {
+        let shown = self.legend.as_ref()?;
+        let shading = &self.settings.shading;
+        let own = || {
+            let scene = &self.document.as_ref()?.built;
+            Legend::of_object(self.selected?, scene, &self.camera()?, shading)
+        };
+        let own = (shading.mode != Mode::Depth).then(own).flatten();
+        Some(own.map_or_else(|| Arc::clone(shown), Arc::new))
     }
 
     /// For each point, whether a surface that is kept lies before it, nearer to the eye by more than a pixel's width

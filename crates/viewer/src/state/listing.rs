@@ -38,6 +38,11 @@ pub fn path_of(text: &str) -> PathBuf {
     }
 }
 
+/// A path as messages name it: the window does not show which folder the program was started in.
+pub fn in_working_folder(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -26,7 +26,7 @@ pub mod manipulator;
 pub mod measure;
 pub mod motion;
 mod names;
-mod navigate;
+pub mod navigate;
 pub mod news;
 mod objects;
 pub mod parents;

@@ -12,6 +12,7 @@ pub fn suggested_name(state: &State, kind: PromptKind) -> String {
     let stem = stem.filter(|stem| !stem.is_empty());
     match kind {
         PromptKind::Scene => format!("{}.raycast.toml", stem.unwrap_or("scene")),
+        PromptKind::SceneCopy => format!("{}-copy.raycast.toml", stem.unwrap_or("scene")),
         PromptKind::Measurements => format!("{}.csv", stem.unwrap_or("measurements")),
         PromptKind::Outline(_) => format!("{}-section.svg", stem.unwrap_or("scene")),
         _ => format!("{}.png", stem.unwrap_or("picture")),

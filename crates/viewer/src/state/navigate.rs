@@ -5,10 +5,14 @@ use super::motion::Motion;
 use super::viewpoint::{StandardView, Viewpoint};
 use raycast_core::camera::{Orbit, Placement, Projection, Ray};
 use raycast_core::glam::DVec3;
+use raycast_core::math;
 
 /// The greatest distance that navigation goes to, in sizes of the scene, so that a scene is not lost from view. A
 /// file's camera may be further away.
 const FURTHEST: f64 = 12.0;
+
+/// The new distance over the old after a notch of the wheel.
+pub const ZOOM: f64 = 0.85;
 
 /// Called before the camera is moved by hand: a smooth change ends where it is, and the viewpoint goes into the
 /// history.
@@ -223,6 +227,25 @@ pub(super) fn zoom(state: &mut State, at: (f64, f64), factor: f64) {
         _ => on_target_plane(&ray),
     };
     state.viewpoint.orbit.dolly(factor, anchor);
+}
+
+/// The way of a notch of the wheel through surfaces, in seconds of walking.
+const PUSH: f64 = 0.1;
+
+/// Moves the eye along the ray at a place by steps of the same length, so that it passes surfaces, which zooming only
+/// comes nearer to. The picture of parallel rays would stay: there it zooms.
+pub(super) fn push(state: &mut State, at: (f64, f64), notches: f64) {
+    let Some(camera) = state.camera() else {
+        return;
+    };
+    if camera.projection().is_parallel() {
+        return zoom(state, at, math::pow(ZOOM, notches));
+    }
+    let speed = state.walk.unwrap_or(WALK);
+    let step = camera.ray(at.0, at.1).direction * (notches * PUSH * speed * state.extent());
+    if step.is_finite() {
+        state.viewpoint.orbit.pivot += step;
+    }
 }
 
 pub(super) fn set_pivot(state: &mut State, at: (f64, f64)) {

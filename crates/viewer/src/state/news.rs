@@ -3,10 +3,10 @@
 use super::arrival::{self, Loaded};
 use super::change::change;
 use super::document::Tree;
-use super::effect::Effect;
+use super::effect::{Copied, Effect};
 use super::files;
 use super::inspection::{Checked, Sized};
-use super::listing::Listing;
+use super::listing::{Listing, in_working_folder};
 use super::objects;
 use super::{PromptKind, Replacing, State};
 use raycast_core::formats::LengthUnit;
@@ -49,6 +49,8 @@ pub enum News {
     Texture(Arc<Texture>, PathBuf, Option<usize>),
     /// A picture, or measurements, were written.
     PictureSaved(PathBuf),
+    /// The picture for the clipboard was rendered.
+    PictureCopied(Arc<Copied>),
     /// An object was measured.
     Sized(Sized),
     /// Objects were checked.
@@ -146,7 +148,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             return state.selected.map(Effect::Weigh);
         }
         News::Texture(texture, path, which) => {
-            let path = std::path::absolute(&path).unwrap_or(path);
+            let path = in_working_folder(path);
             return change(state, "Texture", |state| {
                 state.settings.shading.mode = Mode::Texture;
                 objects::change(state, which, |object| {
@@ -156,9 +158,13 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             });
         }
         News::PictureSaved(path) => {
-            // A bare name is in the folder that the program was started in, which nobody sees.
-            let path = std::path::absolute(&path).unwrap_or(path);
+            let path = in_working_folder(path);
             state.tell(format!("Saved {}", path.display()));
+        }
+        News::PictureCopied(copied) => {
+            let (columns, rows) = copied.size;
+            state.tell(format!("Copied the picture, {columns}×{rows} pixels"));
+            return Some(Effect::CopyImage(copied));
         }
         News::SceneSaved(path, revision) => {
             state.tell(format!("Saved {}", path.display()));

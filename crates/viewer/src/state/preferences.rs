@@ -1,6 +1,7 @@
 //! The user's preferences: stored between sessions, never part of a scene.
 
-use raycast_core::formats::LengthUnit;
+use raycast_core::formats::{LengthUnit, Limits};
+use raycast_core::scene::UpAxis;
 use std::path::{Path, PathBuf};
 
 /// The most files that are remembered as opened.
@@ -49,8 +50,12 @@ pub struct Preferences {
     pub refine: bool,
     /// Whether files are reloaded when they change.
     pub watch: bool,
+    /// Whether files that do not say which axis is up have z up, as in much of CAD.
+    pub z_up: bool,
     /// The unit in which lengths are shown; `None` for that of the files.
     pub unit: Option<LengthUnit>,
+    /// Whether the mouse has been used in the picture: until then a line says what it does.
+    pub knows_mouse: bool,
     /// Files that were opened, newest first.
     pub recent: Vec<PathBuf>,
     /// Bookmarks as options of the command line, for each file, the most recent file first.
@@ -66,7 +71,9 @@ impl Default for Preferences {
             smooth: true,
             refine: true,
             watch: true,
+            z_up: false,
             unit: None,
+            knows_mouse: false,
             recent: Vec::new(),
             views: Vec::new(),
         }
@@ -74,6 +81,17 @@ impl Default for Preferences {
 }
 
 impl Preferences {
+    /// The limits of reading by these preferences; `given` are those of the command line.
+    pub fn limits(&self, given: Limits) -> Limits {
+        match self.z_up {
+            true => Limits {
+                up_axis: UpAxis::Z,
+                ..given
+            },
+            false => given,
+        }
+    }
+
     /// Stores the bookmarks of a file.
     pub fn keep_views(&mut self, file: &Path, views: Vec<String>) {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());

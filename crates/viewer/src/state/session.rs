@@ -15,6 +15,8 @@ pub enum PromptKind {
     Picture,
     /// Where to save the scene.
     Scene,
+    /// Where to save a copy of the scene.
+    SceneCopy,
     /// Where to save the measurements.
     Measurements,
     /// Where to save the outline that this clipping plane cuts.
@@ -29,7 +31,11 @@ impl PromptKind {
     /// Whether it asks for a file to write, and suggests a name.
     pub fn saves(self) -> bool {
         match self {
-            Self::Picture | Self::Scene | Self::Measurements | Self::Outline(_) => true,
+            Self::Picture
+            | Self::Scene
+            | Self::SceneCopy
+            | Self::Measurements
+            | Self::Outline(_) => true,
             Self::Open | Self::Add | Self::Texture | Self::TextureOf(_) => false,
         }
     }

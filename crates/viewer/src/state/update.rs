@@ -12,12 +12,15 @@ use super::{
     plane, preferences, shapes,
 };
 use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
+use raycast_core::scene::UpAxis;
 use raycast_core::shade::{Mode, TextureProjection, Wireframe};
 
 pub use super::names::suggested_name;
 
 /// Executes a command. Changes of the document can be undone.
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
+    let uses_mouse = command.moves_camera() || matches!(command, Command::Pin { .. });
+    state.preferences.knows_mouse |= uses_mouse && state.document.is_some();
     let edit = command.edit();
     let is_step = edit.is_some() || matches!(command, Command::Undo | Command::Redo);
     // A drag in progress becomes a step of its own.
@@ -59,6 +62,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Zoom { at, factor } => {
             navigate::leave(state);
             navigate::zoom(state, at, factor);
+        }
+        Command::Push { at, notches } => {
+            navigate::leave(state);
+            navigate::push(state, at, notches);
         }
         Command::Roll(degrees) => navigate::roll(state, degrees),
         Command::SetPivot { .. } if state.measuring.tool == Some(Kind::Path) => {
@@ -293,6 +300,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             return Some(Effect::Copy(text));
         }
 
+        Command::CopyPicture if state.document.is_none() => {}
+        Command::CopyPicture => return Some(Effect::RenderCopy),
         Command::CopyCommand => return as_command::copy(state),
 
         Command::Undo | Command::Redo => {
@@ -308,7 +317,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
 
         Command::SetThreads(threads) => state.threads = threads.clamp(1, 256),
 
-        Command::Ask(PromptKind::Picture) if state.document.is_none() => {}
+        Command::Ask(PromptKind::Picture | PromptKind::SceneCopy) if state.document.is_none() => {}
         Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
         Command::Ask(PromptKind::Outline(plane)) if plane >= state.settings.clip.all().len() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),
@@ -367,6 +376,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::SetMouse(mouse) => state.preferences.mouse = mouse,
         Command::SetSmooth(on) => state.preferences.smooth = on,
         Command::SetRefine(on) => state.preferences.refine = on,
+        Command::SetZUp(on) => {
+            state.preferences.z_up = on;
+            state.limits.up_axis = if on { UpAxis::Z } else { UpAxis::Y };
+            return files::read_turned(state);
+        }
         Command::SetWatch(on) => state.preferences.watch = on,
 
         Command::TogglePanel => state.panel = !state.panel,
@@ -383,6 +397,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
                 None => Some(Palette::default()),
             };
         }
+        Command::TypeAhead(text) if state.palette.is_some() => {
+            state.palette = Some(Palette { text, marked: 0 });
+        }
+        Command::TypeAhead(text) => return files::type_ahead(state, text),
         Command::TypePalette(text) => state.palette = Some(Palette { text, marked: 0 }),
         Command::MarkPalette(marked) => {
             if let Some(palette) = &mut state.palette {

@@ -96,6 +96,41 @@ pub fn length(number: f64) -> String {
     group(&format!("{number:.decimals$}"))
 }
 
+/// A coordinate, or 0 where it is below `negligible`, which also takes the sign of a zero.
+pub fn coordinate(number: f64, negligible: f64) -> f64 {
+    match number.abs() < negligible {
+        true => 0.0,
+        false => number,
+    }
+}
+
+/// Coordinates of a point in a scene of this size: with the same decimals, so that they show a hundred-thousandth of the
+/// size, and 0 where they show nothing else.
+pub fn point(point: [f64; 3], size: f64) -> [String; 3] {
+    let magnitude = size.log10().floor();
+    if !(-4.0..7.0).contains(&magnitude) {
+        return point.map(|number| length(coordinate(number, size * 1e-5)));
+    }
+    let decimals = (4.0 - magnitude).max(0.0) as usize;
+    point.map(|number| {
+        let text = fixed(number, decimals);
+        match text.contains(|c: char| matches!(c, '1'..='9')) {
+            true => group(&text),
+            false => "0".to_owned(),
+        }
+    })
+}
+
+/// A number with so many decimals; no minus sign before a number that is displayed as zero.
+pub fn fixed(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    let is_zero = !text.contains(|c: char| matches!(c, '1'..='9'));
+    match text.strip_prefix('-') {
+        Some(rest) if is_zero => rest.to_owned(),
+        _ => text,
+    }
+}
+
 /// A length in less room: four significant digits without trailing zeros.
 pub fn short(number: f64) -> String {
     if number == 0.0 {
@@ -141,6 +176,25 @@ mod tests {
         assert_eq!(time(Duration::from_micros(38_120)), "38.1 ms");
         assert_eq!(time(Duration::from_millis(1240)), "1.24 s");
         assert_eq!(bytes(12_345_678), "12.3 MB");
+    }
+
+    #[test]
+    fn what_rounding_leaves_is_zero() {
+        let shown = [7.5e-16, -7.5e-16, 2e-9, -0.0].map(|n| length(coordinate(n, 1e-9)));
+        assert_eq!(shown, ["0", "0", "2.000e-9", "0"]);
+        assert_eq!(
+            point([7.5e-16, -0.016_841_4, 12.0], 0.25),
+            ["0", "-0.01684", "12.00000"]
+        );
+        assert_eq!(
+            point([-0.004, 0.5, 123_456.0], 5000.0).map(|c| plain(&c)),
+            ["0", "0.5", "123 456.0"]
+        );
+        assert_eq!(point([1e-20, 2e-9, 0.0], 1e-8), ["0", "2.000e-9", "0"]);
+        assert_eq!(
+            [fixed(-0.01, 1), fixed(-0.06, 1), fixed(0.0, 0)],
+            ["0.0", "-0.1", "0"]
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::registry::{self, Keymap};
 use crate::state::State;
 use crate::state::command::Command;
+use crate::state::navigate::ZOOM;
 use crate::state::preferences::Mouse;
 use egui::Key;
 use raycast_core::glam::DVec3;
@@ -61,6 +62,10 @@ pub fn gestures(habits: Mouse) -> impl Iterator<Item = &'static Gesture> {
 /// The gestures with any mouse settings.
 const OTHERS: &[Gesture] = &[
     gesture("Wheel", "Zoom to the cursor"),
+    gesture(
+        "Ctrl+wheel",
+        "Move towards the cursor, and through what is there",
+    ),
     gesture("Hover", "Object, triangle and distance under the cursor"),
     gesture(
         "Click",
@@ -86,10 +91,16 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     let walks = state.walk.is_some() && !typing && !is_asked;
     let keymap = Keymap::of(context);
     let mut steps = None;
+    // What is typed in the frame whose key opens a text field: a slow machine gets several keys in one frame.
+    let (mut opens, mut typed) = (false, String::new());
     let mut commands = context.input(|input| {
         let mut commands = Vec::new();
         let free = !input.modifiers.any() || input.modifiers.shift_only();
-        let down = |key| f64::from(u8::from(walks && free && input.key_down(key)));
+        let pace = if input.modifiers.shift { FASTER } else { 1.0 };
+        let down = |key| match walks && free && input.key_down(key) {
+            true => pace,
+            false => 0.0,
+        };
         let [right, up, forward] = WALKING.map(|(more, less)| down(more) - down(less));
         if [right, up, forward] != [0.0; 3] {
             // Limits the step after a delayed frame, so that one does not pass through a wall.
@@ -105,7 +116,11 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 egui::Event::Paste(text) if !typing => {
                     commands.push(Command::PasteCamera(text.clone()));
                 }
+                egui::Event::Text(text) if opens => typed.push_str(text),
                 _ => {}
+            }
+            if opens {
+                continue;
             }
             let egui::Event::Key {
                 key,
@@ -138,10 +153,15 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
             let of = |key| registry::pressed(&keymap, state, typing, key, modifiers);
             // On keyboards that type digits with Shift, as in France, the physical key counts.
             let digit = physical_key.filter(|key| DIGITS.contains(key));
-            commands.extend(of(key).or_else(|| digit.and_then(of)));
+            let command = of(key).or_else(|| digit.and_then(of));
+            opens = matches!(command, Some(Command::TogglePalette | Command::Ask(_)));
+            commands.extend(command);
         }
         commands
     });
+    if !typed.is_empty() {
+        commands.push(Command::TypeAhead(typed));
+    }
     if steps.is_some() {
         // Continues while the key is held.
         context.request_repaint();
@@ -149,6 +169,9 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     commands.extend(steps);
     commands
 }
+
+/// How much faster Shift walks: as running is to walking.
+const FASTER: f64 = 3.0;
 
 /// Keys that walk: right and left, up and down, forwards and back.
 const WALKING: [(Key, Key); 3] = [(Key::D, Key::A), (Key::E, Key::Q), (Key::W, Key::S)];
@@ -166,15 +189,20 @@ const DIGITS: [Key; 10] = [
     Key::Num9,
 ];
 
-/// The zoom factor of a wheel's movement: the new distance over the old.
-pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
+/// The notches of a wheel's movement, away from the hand.
+fn notches(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
     let notches = match unit {
         egui::MouseWheelUnit::Line => f64::from(delta),
         // A notch of a wheel is some 50 points on systems that report points.
         egui::MouseWheelUnit::Point => f64::from(delta) / 50.0,
         egui::MouseWheelUnit::Page => f64::from(delta) * 8.0,
     };
-    math::pow(0.85, notches.clamp(-20.0, 20.0))
+    notches.clamp(-20.0, 20.0)
+}
+
+/// The zoom factor of a wheel's movement: the new distance over the old.
+pub fn wheel_factor(unit: egui::MouseWheelUnit, delta: f32) -> f64 {
+    math::pow(ZOOM, notches(unit, delta))
 }
 
 /// The effect of a drag.
@@ -270,7 +298,22 @@ pub fn mouse(
     {
         commands.push(Command::SetPivot { at: at(position) });
     }
-    if let Some(position) = response.hover_pos() {
+    if let Some(position) = response.hover_pos()
+        && command
+        && !walks
+    {
+        let pushed = ui.input(|input| {
+            let notches = input.events.iter().map(|event| match event {
+                egui::Event::MouseWheel { unit, delta, .. } => notches(*unit, delta.y),
+                _ => 0.0,
+            });
+            notches.sum::<f64>()
+        });
+        if pushed != 0.0 {
+            let (at, notches) = (at(position), pushed);
+            commands.push(Command::Push { at, notches });
+        }
+    } else if let Some(position) = response.hover_pos() {
         let factor = ui.input(|input| {
             input
                 .events

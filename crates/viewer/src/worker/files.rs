@@ -12,6 +12,7 @@ use crate::state::news::News;
 use raycast_core::Accel;
 use raycast_core::formats::{self, Limits};
 use raycast_core::scene::Scene;
+use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -34,7 +35,7 @@ pub struct Activity {
 /// The file tasks of a window.
 #[derive(Debug)]
 pub struct Files {
-    limits: Limits,
+    limits: Cell<Limits>,
     pub(super) shared: Arc<Shared>,
     news: Receiver<(u64, News)>,
 }
@@ -45,7 +46,7 @@ impl Files {
         // A hidden window may not fetch news for long; tasks then wait here when they finish.
         let (send, news) = sync_channel(64);
         Self {
-            limits: Limits::default(),
+            limits: Cell::default(),
             shared: Arc::new(Shared {
                 send,
                 wake,
@@ -67,7 +68,13 @@ impl Files {
 
     /// The same with other limits of reading.
     pub fn within(self, limits: Limits) -> Self {
-        Self { limits, ..self }
+        self.set_limits(limits);
+        self
+    }
+
+    /// Sets the limits of what is read from now on.
+    pub fn set_limits(&self, limits: Limits) {
+        self.limits.set(limits);
     }
 
     /// News since the last call, without those of loads that a newer one replaced.
@@ -135,14 +142,14 @@ impl Files {
 
     /// Reads files as one scene; the demo scene if there are none. The newest load wins.
     pub fn open(&self, paths: Vec<PathBuf>, keep: Keep) {
-        let limits = self.limits;
+        let limits = self.limits.get();
         let name = scene_name(&paths);
         self.load(name, move |load| load.document(paths, limits, keep));
     }
 
     /// Reads the file that is `step` files after `path` in its folder, and replaces the scene.
     pub fn open_neighbor(&self, path: PathBuf, step: i32) {
-        let limits = self.limits;
+        let limits = self.limits.get();
         let name = "the next file".to_owned();
         self.load(name, move |load| {
             let path = neighbors::neighbor(&path, step, DIALOG_ENDINGS)?;
@@ -153,7 +160,7 @@ impl Files {
 
     /// Reads files and adds them to the scene.
     pub fn add(&self, paths: Vec<PathBuf>) {
-        let limits = self.limits;
+        let limits = self.limits.get();
         self.load(scene_name(&paths), move |load| load.objects(paths, limits));
     }
 
@@ -227,7 +234,7 @@ impl Files {
     /// Reads a picture's recipe. If its scene is not `scene`, the open one, it is searched `among` other files. A
     /// picture without a recipe is used as a texture.
     pub fn open_picture(&self, path: PathBuf, scene: Option<Arc<Scene>>, among: Vec<PathBuf>) {
-        let limits = self.limits;
+        let limits = self.limits.get();
         let name = scene_name(std::slice::from_ref(&path));
         self.load(name, move |load| {
             load.picture(&path, scene.as_deref(), among, limits)
@@ -236,7 +243,7 @@ impl Files {
 
     /// Reads an image as a texture of an object, or of all.
     pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
-        let budget = memory::budget(self.limits);
+        let budget = memory::budget(self.limits.get());
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);

@@ -9,10 +9,11 @@ use crate::state::effect::Keep;
 use crate::state::news::News;
 use crate::{memory, setup};
 use raycast_core::Accel;
-use raycast_core::formats::{self, Limits, SceneFile};
+use raycast_core::formats::{self, FormatError, Limits, SceneFile};
 use raycast_core::picture::{ImageFile, Recipe};
 use raycast_core::render::Cancel;
 use raycast_core::scene::Scene;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -162,7 +163,7 @@ impl Load<'_> {
                     file.append(next);
                     read.push(path);
                 }
-                Err(error) => errors.push(error.to_string()),
+                Err(error) => errors.push(message(&error)),
             }
         }
         lock(&self.shared.opened).extend(file.opened.iter().cloned());
@@ -263,6 +264,16 @@ impl Load<'_> {
         let loads = lock(&self.shared.loads);
         let own = loads.iter().find(|(load, ..)| *load == self.ticket);
         own.map_or_else(String::new, |(_, name, _)| name.clone())
+    }
+}
+
+/// An error of reading, for people.
+fn message(error: &FormatError) -> String {
+    match error {
+        FormatError::Io { place, source } if source.kind() == ErrorKind::NotFound => {
+            format!("{place}: there is no such file")
+        }
+        _ => error.to_string(),
     }
 }
 

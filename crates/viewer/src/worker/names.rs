@@ -14,6 +14,7 @@ pub(super) fn names(folder: String, kind: PromptKind) -> Listing {
         // Any file can be replaced, and its name be a start.
         PromptKind::Picture
         | PromptKind::Scene
+        | PromptKind::SceneCopy
         | PromptKind::Measurements
         | PromptKind::Outline(_) => &[],
     };

@@ -7,7 +7,7 @@ use crate::output::Output;
 use raycast_core::Accel;
 use raycast_core::camera::Grid;
 use raycast_core::formats::{DrawingFormat, SceneFile, write_section};
-use raycast_core::picture::{Format, Recipe};
+use raycast_core::picture::{Format, Picture, Recipe};
 use raycast_core::render::{Cancel, View};
 use raycast_core::scene::ClippingPlane;
 use raycast_core::section::{SectionAxes, section};
@@ -41,15 +41,33 @@ pub(super) fn save_scene(
             return Ok(false);
         }
     }
+    write_scene(scene, path, &output)?;
+    // No other output may overwrite it from now on, as with all open files.
+    lock(&shared.opened).push(path.to_owned());
+    Ok(true)
+}
+
+/// Writes a scene that stays another file's; returns false where a file exists that may not be replaced.
+pub(super) fn save_scene_copy(
+    scene: &SceneFile,
+    path: &Path,
+    replace: bool,
+    shared: &Shared,
+) -> Result<bool, Failure> {
+    let Some(output) = place(path, replace, shared)? else {
+        return Ok(false);
+    };
+    write_scene(scene, path, &output)?;
+    Ok(true)
+}
+
+fn write_scene(scene: &SceneFile, path: &Path, output: &Output) -> Result<(), Failure> {
     let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder.parent().unwrap_or(Path::new("."));
     let text = scene
         .to_toml(folder)
         .map_err(|error| Failure::could_not(error.to_string()))?;
-    output.write(text.as_bytes())?.finish()?;
-    // No other output may overwrite it from now on, as with all open files.
-    lock(&shared.opened).push(path.to_owned());
-    Ok(true)
+    output.write(text.as_bytes())?.finish()
 }
 
 /// Writes a picture; returns false where a file exists that may not be replaced.
@@ -59,35 +77,35 @@ pub(super) fn save(
     replace: bool,
     shared: &Shared,
 ) -> Result<bool, Failure> {
-    let Saving {
-        mut view,
-        grid,
-        threads,
-    } = saving;
+    let mut saving = saving;
     let format = Format::from_name(&path.to_string_lossy())?;
     let Some(output) = place(path, replace, shared)? else {
         return Ok(false);
     };
-    view.settings.layers = format == Format::Exr;
-    let plane = view.camera.plane();
+    saving.view.settings.layers = format == Format::Exr;
+    let plane = saving.view.camera.plane();
     let memory_for = |columns, rows| format.memory_for(columns, rows);
     memory::check_picture(path, (plane.columns, plane.rows), memory_for, "")?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|index| format!("raycast-save-{index}"))
-        .start_handler(|_| super::priority::give_way())
-        .build()
-        .map_err(|error| Failure::could_not(error.to_string()))?;
-    let clock = || Duration::ZERO;
-    let picture = pool
-        .install(|| view.render(grid, &clock, &Cancel::default(), &|_| {}))
-        .ok_or_else(|| Failure::could_not("the render was cancelled"))?;
-    let recipe = Recipe::of(&view);
+    let picture = rendered(&saving)?;
+    let recipe = Recipe::of(&saving.view);
     let file = output.write(&picture.encode_with(format, Some(&recipe))?)?;
     // Another scene may have been opened meanwhile.
     output.check_against(lock(&shared.opened).clone())?;
     file.finish()?;
     Ok(true)
+}
+
+/// The picture, rendered while the window goes on.
+pub(super) fn rendered(saving: &Saving) -> Result<Picture, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(saving.threads)
+        .thread_name(|index| format!("raycast-save-{index}"))
+        .start_handler(|_| super::priority::give_way())
+        .build()
+        .map_err(|error| Failure::could_not(error.to_string()))?;
+    let clock = || Duration::ZERO;
+    pool.install(|| (saving.view).render(saving.grid, &clock, &Cancel::default(), &|_| {}))
+        .ok_or_else(|| Failure::could_not("the render was cancelled"))
 }
 
 /// Whether the outline that a plane cuts was written, likewise; and how many of its lines are open, and of how many.

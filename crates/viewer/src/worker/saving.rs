@@ -2,8 +2,9 @@
 
 use super::files::{Files, Saving};
 use super::panic_text;
-use super::save::{save, save_outline, save_scene, save_text};
+use super::save::{rendered, save, save_outline, save_scene, save_scene_copy, save_text};
 use super::tasks::ANY;
+use crate::state::effect::Copied;
 use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
 use raycast_core::Accel;
@@ -34,6 +35,23 @@ impl Files {
         });
     }
 
+    /// Renders the picture once more, for the clipboard.
+    pub fn copy_picture(&self, picture: Saving) {
+        self.shared.saves.fetch_add(1, Ordering::Relaxed);
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let drawn =
+                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| rendered(&picture)));
+            shared.saves.fetch_sub(1, Ordering::Relaxed);
+            match drawn.map_err(|panic| panic_text(&*panic))? {
+                Ok(drawn) => Ok(News::PictureCopied(Arc::new(Copied {
+                    size: (drawn.width, drawn.height),
+                    pixels: drawn.pixels,
+                }))),
+                Err(failure) => Err(failure.to_string()),
+            }
+        });
+    }
+
     /// Writes a scene file, of this revision of the document; not where a file is there, unless it may
     /// `replace` that, and over a file that was opened only if that is its `own`.
     pub fn save_scene(
@@ -53,6 +71,20 @@ impl Files {
                 }),
                 Err(failure) => News::NotSaved(failure.to_string()),
             })
+        });
+    }
+
+    /// Writes a scene file that does not become the open one; not over another file, unless it may `replace` that.
+    pub fn save_scene_copy(&self, scene: SceneFile, path: PathBuf, replace: bool) {
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            match save_scene_copy(&scene, &path, replace, shared) {
+                Ok(true) => Ok(News::PictureSaved(path)),
+                Ok(false) => Ok(News::Taken(Replacing {
+                    path,
+                    by: PromptKind::SceneCopy,
+                })),
+                Err(failure) => Err(failure.to_string()),
+            }
         });
     }
 

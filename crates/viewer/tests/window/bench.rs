@@ -57,7 +57,7 @@ pub(crate) fn open_with(state: State) -> Harness<'static, Bench> {
                     &mut bench.overlay,
                     &mut commands,
                 );
-                bench.state.viewport = place.pixels;
+                bench.state.set_viewport(place.pixels);
                 bench.state.hover = place.hover;
                 for command in commands {
                     bench.asked.push(command.clone());

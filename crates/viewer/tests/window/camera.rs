@@ -2,6 +2,7 @@
 
 use crate::bench::{click, drag, open, open_two};
 use egui::{Key, Modifiers, PointerButton};
+use egui_kittest::kittest::Queryable;
 use raycast_core::glam::DVec3;
 
 #[test]
@@ -25,15 +26,60 @@ fn the_mouse_orbits_pans_and_zooms() {
     }
 
     let before = harness.state().state.viewpoint.orbit;
-    harness.event(egui::Event::MouseWheel {
+    harness.event(wheel(Modifiers::NONE));
+    harness.run();
+    assert!(harness.state().state.viewpoint.orbit.distance < before.distance);
+}
+
+fn wheel(modifiers: Modifiers) -> egui::Event {
+    egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Line,
         delta: egui::vec2(0.0, 1.0),
         phase: egui::TouchPhase::Move,
         source: egui::MouseWheelSource::Wheel,
-        modifiers: Modifiers::NONE,
-    });
+        modifiers,
+    }
+}
+
+#[test]
+fn with_ctrl_the_wheel_goes_through_what_is_under_the_cursor_and_without_it_does_not() {
+    // Towards a triangle in the plane z = 0.
+    let behind = |modifiers| {
+        let mut harness = open_two();
+        harness.event(egui::Event::Paste(
+            "--eye 0.2,0.2,2 --target 0.2,0.2,0".to_owned(),
+        ));
+        harness.run();
+        let camera = harness.state().state.camera().expect("a camera");
+        let (x, y) = camera.project(DVec3::new(0.2, 0.2, 0.0)).expect("in front");
+        let picture = harness.get_by_label("The picture").rect();
+        let at = picture.min + egui::vec2(x as f32, y as f32);
+        harness.event(egui::Event::PointerMoved(at));
+        harness.event(egui::Event::ModifiersChanged(modifiers));
+        harness.run();
+        for _ in 0..60 {
+            harness.event(wheel(modifiers));
+            harness.run();
+        }
+        harness.state().state.viewpoint.placement().eye.z < 0.0
+    };
+    assert!(behind(Modifiers::COMMAND | Modifiers::CTRL));
+    assert!(!behind(Modifiers::NONE));
+}
+
+#[test]
+fn a_line_says_what_the_mouse_does_until_it_is_used_in_the_picture() {
+    let mut harness = open_two();
+    let is_shown = |harness: &egui_kittest::Harness<'_, _>| {
+        harness.query_by_label_contains("Drag to orbit").is_some()
+    };
+    assert!(is_shown(&harness));
+    harness.key_press(Key::M);
     harness.run();
-    assert!(harness.state().state.viewpoint.orbit.distance < before.distance);
+    assert!(is_shown(&harness), "a key is no mouse");
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE);
+    assert!(!is_shown(&harness));
+    assert!(harness.state().state.preferences.knows_mouse);
 }
 
 #[test]

@@ -38,7 +38,8 @@ fn a_path_can_be_typed_where_the_desktop_has_no_dialog() {
     harness.run();
     harness.key_press(Key::Enter);
     harness.run();
-    let effect = Effect::Open(vec![PathBuf::from("mesh.obj")], Keep::Nothing);
+    let whole = std::path::absolute("mesh.obj").expect("a path");
+    let effect = Effect::Open(vec![whole], Keep::Nothing);
     assert_eq!(harness.state().effects.last(), Some(&effect));
     assert!(harness.state().state.prompt.is_none());
 }
@@ -80,8 +81,73 @@ fn a_typed_path_is_completed_by_the_names_in_its_folder() {
     assert_eq!(typed, Some("models/b.obj"));
     harness.key_press(Key::Enter);
     harness.run();
-    let effect = Effect::Open(vec![PathBuf::from("models/b.obj")], Keep::Nothing);
+    let whole = std::path::absolute("models/b.obj").expect("a path");
+    let effect = Effect::Open(vec![whole], Keep::Nothing);
     assert_eq!(harness.state().effects.last(), Some(&effect));
+}
+
+/// A slow machine gets the key that opens a text field and what is typed into it in one frame.
+#[test]
+fn letters_typed_with_the_key_that_opens_a_text_field_are_text_and_no_commands() {
+    let mut harness = open_two();
+    let at_once = |harness: &mut egui_kittest::Harness<'_, crate::bench::Bench>,
+                   key,
+                   typed: &[(Key, &str)]| {
+        let press = |key, modifiers| egui::Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers,
+        };
+        let mut events = vec![press(key, Modifiers::COMMAND)];
+        for (key, text) in typed {
+            events.push(press(*key, Modifiers::NONE));
+            events.push(egui::Event::Text((*text).to_owned()));
+        }
+        harness.input_mut().events.extend(events);
+        harness.run();
+    };
+    let borders = harness.state().state.overlay.borders;
+    at_once(&mut harness, Key::P, &[(Key::T, "t"), (Key::W, "w")]);
+    harness.event(egui::Event::Text("x".to_owned()));
+    harness.run();
+    let state = &harness.state().state;
+    assert_eq!(
+        state.palette.as_ref().map(|palette| &*palette.text),
+        Some("twx")
+    );
+    assert_eq!(state.overlay.borders, borders, "T is a letter there");
+    harness.key_press(Key::Escape);
+    harness.run();
+    // Text and Enter in one frame run what the text finds.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    harness.event(egui::Event::Text("tile borders".to_owned()));
+    harness.key_press(Key::Enter);
+    harness.run();
+    let state = &harness.state().state;
+    assert_ne!(state.overlay.borders, borders);
+    assert!(state.palette.is_none() && state.prompt.is_none());
+
+    let text = |harness: &egui_kittest::Harness<'_, crate::bench::Bench>| {
+        let prompt = harness.state().state.prompt.as_ref();
+        prompt.map(|prompt| prompt.text.clone())
+    };
+    at_once(&mut harness, Key::O, &[(Key::A, "a")]);
+    harness.event(egui::Event::Text("b".to_owned()));
+    harness.run();
+    assert_eq!(text(&harness).as_deref(), Some("ab"));
+    harness.key_press(Key::Escape);
+    harness.run();
+    at_once(&mut harness, Key::E, &[(Key::A, "a")]);
+    harness.event(egui::Event::Text("b".to_owned()));
+    harness.run();
+    assert_eq!(
+        text(&harness).as_deref(),
+        Some("ab.png"),
+        "the ending stays"
+    );
 }
 
 #[test]

@@ -7,6 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::formats::{read_scene, write_prepared};
 use raycast_core::glam::DVec3;
+use raycast_core::picture::ImageFile;
 use raycast_core::scene::{Color, ColorRule, Object};
 use raycast_viewer::app::effects::hand_out;
 use raycast_viewer::state::State;
@@ -339,6 +340,17 @@ fn twenty_everyday_tasks_are_done_by_keys_clicks_and_typed_paths() {
     assert_eq!(desk.objects()[1].parent, Some(0));
     assert!(!near.is_empty());
 
+    // A copy leaves what is open as it is.
+    let copy = desk.path("copy.raycast.toml");
+    desk.run("Save a copy");
+    desk.text(&copy.display().to_string());
+    desk.key(plain, Key::Enter);
+    desk.until("copied", |_| copy.exists());
+    let open = desk.state().document.as_ref().and_then(|d| d.file.clone());
+    assert_eq!(open, Some(scene.clone()));
+    let text = |path: &Path| std::fs::read_to_string(path).expect("text");
+    assert_eq!(text(&copy), text(&scene));
+
     // 18: read again once its mesh has changed; half a file changes nothing.
     let mesh = std::fs::read_to_string(&cube).expect("text");
     std::fs::write(&cube, "v 0 0").expect("written");
@@ -361,6 +373,49 @@ fn twenty_everyday_tasks_are_done_by_keys_clicks_and_typed_paths() {
     let command = desk.copied.last().expect("copied");
     assert!(command.contains("raycast render"), "{command}");
     assert!(command.contains("scene.raycast.toml"), "{command}");
+}
+
+#[test]
+fn the_copied_picture_is_the_saved_one() {
+    let mut desk = Desk::new();
+    let cube = desk.path("cube.obj");
+    update_to(&mut desk, Command::Open(vec![cube]));
+    desk.built("open", |desk| desk.objects().len() == 1);
+    update_to(&mut desk, Command::SetSize(64, 48));
+    let copied = |desk: &Desk| {
+        let effects = desk.harness.state().effects.iter();
+        let mut copied = effects.filter_map(|effect| match effect {
+            Effect::CopyImage(copied) => Some(Arc::clone(copied)),
+            _ => None,
+        });
+        copied.next()
+    };
+    desk.key(Modifiers::ALT, Key::C);
+    desk.until("copied", |desk| copied(desk).is_some());
+    let copied = copied(&desk).expect("copied");
+    let saved = desk.path("saved.png");
+    desk.give(Modifiers::COMMAND, Key::E, &saved);
+    desk.until("written", |_| saved.exists());
+    let saved = ImageFile::decode(&std::fs::read(saved).expect("bytes")).expect("a picture");
+    assert_eq!(copied.size, (64, 48));
+    assert!(copied.pixels == saved.picture.pixels);
+}
+
+#[test]
+fn a_mesh_stands_upright_once_z_is_said_to_be_up() {
+    let mut desk = Desk::new();
+    let tall = desk.path("tall.stl");
+    let text = "solid tall\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 9\n\
+                endloop\nendfacet\nendsolid tall\n";
+    std::fs::write(&tall, text).expect("written");
+    update_to(&mut desk, Command::Open(vec![tall]));
+    desk.built("open", |desk| desk.objects().len() == 1);
+    let height = |desk: &Desk| desk.state().document.as_ref().map(|d| d.bounds.size().y);
+    assert_eq!(height(&desk), Some(0.0));
+    desk.run("Z is up");
+    desk.built("turned", |desk| height(desk) == Some(9.0));
+    desk.run("Z is up");
+    desk.built("turned back", |desk| height(desk) == Some(0.0));
 }
 
 #[test]

@@ -186,6 +186,33 @@ fn a_rolled_camera_pans_along_the_picture() {
 }
 
 #[test]
+fn a_fitted_view_stays_fitted_when_the_window_changes_and_another_stays_as_it_is() {
+    let mut state = opened(3);
+    state.set_viewport((1000, 500));
+    update(&mut state, Command::Fit);
+    let (wide, home) = (state.viewpoint, state.home);
+    state.set_viewport((300, 600));
+    assert_ne!(state.viewpoint.orbit.distance, wide.orbit.distance);
+    for corner in state.bounds().corners() {
+        let camera = state.camera().expect("a camera");
+        let (x, y) = camera.project(corner).expect("in front");
+        assert!(
+            (0.0..300.0).contains(&x) && (0.0..600.0).contains(&y),
+            "{x} {y}"
+        );
+    }
+    state.set_viewport((1000, 500));
+    assert_eq!((state.viewpoint, state.home), (wide, home));
+
+    let (yaw, pitch) = (10.0, 0.0);
+    update(&mut state, Command::Orbit { yaw, pitch });
+    let turned = state.viewpoint;
+    state.set_viewport((300, 600));
+    assert_eq!(state.viewpoint, turned);
+    assert_ne!(state.home, home, "the way back leads to all of it");
+}
+
+#[test]
 fn zooming_out_does_not_lose_the_scene() {
     let mut state = opened(3);
     for _ in 0..100 {

@@ -28,10 +28,8 @@ fn the_path_line_outlives_a_desktop_without_dialogs() {
     assert!(state.prompt.as_ref().is_some_and(|prompt| !prompt.dialog));
     update(&mut state, Command::TypePath(" mesh.obj ".to_owned()));
     let effect = update(&mut state, Command::ConfirmPath);
-    assert_eq!(
-        effect,
-        Some(Effect::Open(vec![PathBuf::from("mesh.obj")], Keep::Nothing))
-    );
+    let whole = std::path::absolute("mesh.obj").expect("a path");
+    assert_eq!(effect, Some(Effect::Open(vec![whole], Keep::Nothing)));
     assert!(state.prompt.is_none());
 }
 
@@ -308,7 +306,8 @@ fn files_come_beside_what_is_open_and_undo_takes_them_away() {
     update(&mut state, Command::SetAdding(true));
     update(&mut state, Command::TypePath("more.obj".to_owned()));
     let added = update(&mut state, Command::ConfirmPath);
-    assert_eq!(added, Some(Effect::Add(vec!["more.obj".into()])));
+    let whole = std::path::absolute("more.obj").expect("a path");
+    assert_eq!(added, Some(Effect::Add(vec![whole])));
     let mut child = document(&state).scene.objects[0].clone();
     child.parent = Some(0);
     let news = News::Added {

@@ -138,12 +138,43 @@ fn samples_rise_by_themselves_only_where_nobody_has_set_them() {
     assert!(!state.has_unsaved());
     update(&mut state, Command::ScaleStep(4.0));
     assert_eq!(state.rest_samples(), 1, "few rays stay blocks");
+    update(&mut state, Command::SetSize(320, 200));
+    assert_eq!(
+        state.rest_samples(),
+        16,
+        "a typed size is a picture to save"
+    );
     update(&mut state, Command::FitWindow);
     update(&mut state, Command::SetSamples(Some(3)));
     assert_eq!(state.rest_samples(), 3);
     update(&mut state, Command::SetSamples(None));
     update(&mut state, Command::SetRefine(false));
     assert_eq!(state.rest_samples(), 1);
+}
+
+#[test]
+fn the_legend_is_that_of_the_marked_object_where_it_shows_numbers() {
+    let mut state = opened(3);
+    let area = ColorRule::Value(Quantity::Area);
+    let distance = ColorRule::Value(Quantity::Distance(None));
+    for (object, rule) in [(0, area), (1, distance)] {
+        update(&mut state, Command::SetColorRule(Some(object), rule));
+    }
+    let title = |state: &State| state.shown_legend().map(|legend| legend.title.clone());
+    assert_eq!(title(&state), None, "no picture is there");
+    if let Some(document) = &mut state.document {
+        document.built = Arc::clone(&document.scene);
+    }
+    // The picture's own is the first object's.
+    state.legend = state.view().and_then(|view| view.legend()).map(Arc::new);
+    for (selected, expected) in [(None, "area"), (Some(1), "distance"), (Some(2), "area")] {
+        state.selected = selected;
+        assert_eq!(title(&state).as_deref(), Some(expected), "{selected:?}");
+    }
+    update(&mut state, Command::SetMode(Mode::Depth));
+    state.selected = Some(0);
+    state.legend = state.view().and_then(|view| view.legend()).map(Arc::new);
+    assert_eq!(title(&state).as_deref(), Some("distance"), "depth's own");
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! Opening and saving.
 
 use super::action::{Action, Menu};
-use super::chord::{ctrl, ctrl_shift, plain};
+use super::chord::{alt, ctrl, ctrl_shift, plain};
 use super::when::has_scene;
 use crate::state::command::Command;
 use crate::state::{PromptKind, State};
 use egui::Key;
+use raycast_core::scene::UpAxis;
 
 /// In the order of their menu.
 pub(super) static ACTIONS: &[Action] = &[
@@ -55,6 +56,16 @@ pub(super) static ACTIONS: &[Action] = &[
     .when(has_files),
     Action::of(
         Menu::File,
+        "file.z_up",
+        "Z is up in meshes",
+        "Read meshes that do not say which axis is up as having z up, as in much of CAD, scanning and 3D printing",
+        &[],
+        |state| Command::SetZUp(state.limits.up_axis != UpAxis::Z),
+    )
+    .also("axis upright turn rotate stand lying stl")
+    .on(|state| state.limits.up_axis == UpAxis::Z),
+    Action::of(
+        Menu::File,
         "file.watch",
         "Reload when changed",
         "Read files again when they change on the disk",
@@ -83,6 +94,15 @@ pub(super) static ACTIONS: &[Action] = &[
     .when(has_scene),
     Action::of(
         Menu::File,
+        "file.save_copy",
+        "Save a copy…",
+        "Write the scene to another file; what is open stays the file that it was",
+        &[],
+        |_| Command::Ask(PromptKind::SceneCopy),
+    )
+    .when(can_save),
+    Action::of(
+        Menu::File,
         "file.picture",
         "Save picture…",
         "Write the picture as PNG, PPM, JPEG or EXR",
@@ -90,6 +110,16 @@ pub(super) static ACTIONS: &[Action] = &[
         |_| Command::Ask(PromptKind::Picture),
     )
     .also("screenshot export image render")
+    .when(has_scene),
+    Action::of(
+        Menu::File,
+        "file.copy_picture",
+        "Copy picture",
+        "Put the picture on the clipboard, of the size and quality that it is saved with",
+        &[alt(Key::C)],
+        |_| Command::CopyPicture,
+    )
+    .also("screenshot clipboard image")
     .when(has_scene),
     Action::of(
         Menu::File,
@@ -110,6 +140,11 @@ pub(super) static ACTIONS: &[Action] = &[
     )
     .apart(),
 ];
+
+fn can_save(state: &State) -> bool {
+    let document = state.document.as_ref();
+    document.is_some_and(|document| document.can_be_saved())
+}
 
 fn has_files(state: &State) -> bool {
     let document = state.document.as_ref();
