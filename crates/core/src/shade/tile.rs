@@ -1,10 +1,9 @@
 use super::facet::{Facet, SurfaceTriangle};
 use super::hit_rows::HitRows;
-use super::spans::{COLUMNS, put, spans};
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
-use crate::num::simd::{LANES, Lanes, Work, dispatch};
+use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::{DVec3, Vec3};
 
@@ -15,6 +14,9 @@ const COLORS: usize = 256;
 /// Entries of the cache of shading triangles, some 300 bytes each. A small triangle comes back in the next row of pixels;
 /// with fewer entries it would be prepared again.
 const FACETS: usize = 256;
+
+/// Pixels that are tested at once for showing one triangle; most such runs do, or show none.
+const RUN: usize = 16;
 
 /// A [`Shader`] with caches of triangles, for neighbouring pixels. Its colours are those of the [`Shader`], bit for bit.
 #[derive(Debug)]
@@ -219,26 +221,43 @@ impl<'s> TileShader<'s> {
         primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
+        let count = primitives.len().min(pixels.len());
+        let (primitives, pixels) = (&primitives[..count], &mut pixels[..count]);
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
         // Misses are cached as a triangle of one colour, which changes from row to row.
         self.colors[MISS as usize % COLORS] = (MISS, backdrop);
-        let parts = primitives.chunks(COLUMNS).zip(pixels.chunks_mut(COLUMNS));
-        for (left, (primitives, pixels)) in (left..).step_by(COLUMNS).zip(parts) {
-            for span in spans(primitives) {
-                let x = |at: usize| f64::from(left) + at as f64 + 0.5;
-                if CONSTANT || span.primitive == MISS {
-                    let color = self.constant(x(span.first), y, span.primitive);
-                    for at in (span.first..span.end).step_by(LANES) {
-                        put(pixels, at, &[color; LANES]);
-                    }
-                } else {
-                    for at in span.first..span.end.min(pixels.len()) {
-                        let color = self.color(x(at), y, &on(span.primitive));
-                        pixels[at] = srgb::encode(color);
-                    }
-                }
+        let (runs, _) = primitives.as_chunks::<RUN>();
+        for (run, primitives) in runs.iter().enumerate() {
+            let pixels = &mut pixels[run * RUN..run * RUN + RUN];
+            let left = left + (run * RUN) as u32;
+            if *primitives == [primitives[0]; RUN] && (CONSTANT || primitives[0] == MISS) {
+                pixels.fill(self.constant(f64::from(left) + 0.5, y, primitives[0]));
+            } else {
+                self.shade_each::<CONSTANT>(left, y, primitives, pixels);
             }
+        }
+        let done = runs.len() * RUN;
+        let left = left + done as u32;
+        self.shade_each::<CONSTANT>(left, y, &primitives[done..], &mut pixels[done..]);
+    }
+
+    /// Some pixels of a row, one by one.
+    #[inline(always)]
+    fn shade_each<const CONSTANT: bool>(
+        &mut self,
+        left: u32,
+        y: f64,
+        primitives: &[u32],
+        pixels: &mut [[u8; 4]],
+    ) {
+        for (column, (&primitive, pixel)) in primitives.iter().zip(pixels).enumerate() {
+            let x = f64::from(left) + column as f64 + 0.5;
+            *pixel = if CONSTANT || primitive == MISS {
+                self.constant(x, y, primitive)
+            } else {
+                srgb::encode(self.color(x, y, &on(primitive)))
+            };
         }
     }
 
