@@ -40,6 +40,16 @@ impl Layers {
         }
     }
 
+    /// Makes room for so many pixels; their values are unspecified.
+    pub(crate) fn resize(&mut self, pixels: usize) {
+        self.color.resize(pixels, [0.0; 4]);
+        self.depth.resize(pixels, f32::INFINITY);
+        self.object.resize(pixels, u32::MAX);
+        self.triangle.resize(pixels, u32::MAX);
+        self.normal.resize(pixels, [0.0; 3]);
+        self.uv.resize(pixels, [0.0; 2]);
+    }
+
     /// [`Layers::blank`], where memory suffices.
     fn try_blank(pixels: usize) -> Result<Self, OutOfMemory> {
         Ok(Self {

@@ -6,6 +6,7 @@ use super::view::View;
 use crate::camera::Lattice;
 use crate::hit::PrimitiveHit;
 use crate::hits::Hits;
+use crate::picture::Layers;
 use crate::shade::{Shader, TileShader};
 
 /// A worker's buffers, reused from tile to tile.
@@ -14,6 +15,8 @@ pub(super) struct Buffers<'s> {
     pub(super) hits: Hits,
     /// The colours of one sample a pixel: linear light, straight alpha.
     pub(super) light: Vec<[f32; 4]>,
+    /// The layers of a tile that is done: new memory for each tile would have to be given by the system each time.
+    pub(super) layers: Option<Layers>,
     pub(super) shader: TileShader<'s>,
     /// `None` where no surface is translucent.
     compositor: Option<Compositor<'s>>,
@@ -27,6 +30,7 @@ impl<'s> Buffers<'s> {
         Self {
             hits: Hits::default(),
             light: Vec::new(),
+            layers: None,
             shader: shader.tile(),
             compositor: shader.translucent().map(compositor),
             photographs: (shader.has_photographs()).then(|| Photographs::new(view, shader.masks())),

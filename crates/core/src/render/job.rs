@@ -187,11 +187,15 @@ impl Job {
     ) {
         // Passes of one sample keep 8-bit pixels alone, so the first sample is cast again. Keeping its sums as well
         // would cost every picture that never gets a second sample.
+        let samples = pattern.samples();
+        // Layers of the only sample are its light, and need no sums.
+        let is_single = samples.len() == 1 && renderer.view.settings.layers;
         if self.sums.is_empty() {
-            self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
+            if !is_single {
+                self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
+            }
             self.samples = 0;
         }
-        let samples = pattern.samples();
         let count = count.min(samples.len());
         for (index, sample) in samples.iter().enumerate().take(count).skip(self.samples) {
             let mut lattice = self.sub_camera.lattice();
@@ -213,9 +217,8 @@ impl Job {
                         *light = section.color(shown).unwrap_or(*light);
                     }
                 }
-                for (sum, &[r, g, b, a]) in sums.iter_mut().zip(&light) {
-                    let light = [r * a, g * a, b * a, a];
-                    *sum = std::array::from_fn(|channel| sum[channel] + light[channel] * weight);
+                for (sum, light) in sums.iter_mut().zip(&light) {
+                    *sum = with_sample(sum, light, weight);
                 }
                 buffers.light = light;
             });
@@ -236,12 +239,25 @@ impl Job {
             let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, alpha));
             [r, g, b, alpha]
         };
-        let means = match &mut self.layers {
-            Some(layers) => &mut layers.color,
-            None => &mut renderer.buffers.light,
+        let means = match (&mut self.layers, samples) {
+            (Some(layers), [only]) if is_single => {
+                let light = &renderer.buffers.light;
+                layers.color.clear();
+                (layers.color).extend(
+                    (light.iter()).map(|one| mean(&with_sample(&[0.0; 4], one, only.weight))),
+                );
+                &layers.color
+            }
+            (layers, _) => {
+                let means = match layers {
+                    Some(layers) => &mut layers.color,
+                    None => &mut renderer.buffers.light,
+                };
+                means.clear();
+                means.extend(self.sums.iter().map(mean));
+                means
+            }
         };
-        means.clear();
-        means.extend(self.sums.iter().map(mean));
         let simd = renderer.view.accel.simd();
         shade::encode_all_premultiplied(simd, means, &mut self.pixels);
     }
@@ -271,4 +287,11 @@ impl Job {
             stats,
         }
     }
+}
+
+/// A weighted sum of samples in linear light with premultiplied alpha, and one more, whose alpha is not multiplied in.
+#[inline(always)]
+fn with_sample(sum: &[f32; 4], &[r, g, b, a]: &[f32; 4], weight: f32) -> [f32; 4] {
+    let light = [r * a, g * a, b * a, a];
+    std::array::from_fn(|channel| sum[channel] + light[channel] * weight)
 }

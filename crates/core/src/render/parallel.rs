@@ -102,6 +102,7 @@ impl View {
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
             picture.place(tiles[index], &tile.pixels, tile.layers.as_ref());
             drop(picture);
+            buffers.layers = tile.layers;
             sink(&tile.stats);
         })
     }

@@ -246,11 +246,17 @@ impl<'a, 's> TileRenderer<'a, 's> {
         (self.clock)().saturating_sub(begin)
     }
 
-    /// The layers of the lattice that was just cast, without the colours.
+    /// The layers of the lattice that was just cast; colours may be anything.
     pub(super) fn layers(&mut self, lattice: &Lattice) -> Layers {
         let begin = (self.clock)();
-        let Buffers { hits, shader, .. } = &mut *self.buffers;
-        let mut layers = Layers::blank(hits.len());
+        let Buffers {
+            hits,
+            shader,
+            layers,
+            ..
+        } = &mut *self.buffers;
+        let mut layers = layers.take().unwrap_or_else(|| Layers::blank(0));
+        layers.resize(hits.len());
         let channels = Channels {
             depth: &mut layers.depth,
             object: &mut layers.object,

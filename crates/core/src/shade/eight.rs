@@ -3,10 +3,11 @@
 //! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
 //! are the same to the bit.
 
-use super::eight_colors::EightColors;
+use super::eight_colors::{Eight, EightColors, Target};
 use super::facet::Facet;
 use super::hit_rows::{EightHits, EightNumbers, HitRows};
 use super::reflection::Surfaces;
+use super::scanlines::ShadeScanlines;
 use super::tile::within;
 use super::tile_rays::TileRays;
 use super::vectors::{Rows, Vectors};
@@ -17,14 +18,6 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::Vec3;
 
-/// Opaque colours of eight samples.
-enum Eight<L: Lanes> {
-    /// Linear light.
-    Light(Vectors<L>),
-    /// Numbers to be shown, 0 to 1 in sRGB.
-    Display(Vectors<L>),
-}
-
 impl TileShader<'_> {
     /// Colours the pixels of `rect`, given as its rows, eight at once.
     pub(super) fn shade_in_eights<'p>(
@@ -34,15 +27,8 @@ impl TileShader<'_> {
         hits: HitRows<'_>,
         mut rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        let simd = self.shader().simd();
-        let work = ShadeEights {
-            colors,
-            lattice: self.shader().lattice(rect),
-            shader: self,
-            hits,
-            picture: Target::Bytes(&mut rows),
-        };
-        dispatch(simd, work);
+        let lattice = self.shader().lattice(rect);
+        self.shade_samples(colors, lattice, hits, Target::Bytes(&mut rows));
     }
 
     /// Colours of the samples at a lattice's rays, eight at once: linear light, alpha not multiplied in.
@@ -53,15 +39,40 @@ impl TileShader<'_> {
         hits: &Hits,
         light: &mut [[f32; 4]],
     ) {
+        self.shade_samples(colors, lattice, HitRows::new(hits), Target::Light(light));
+    }
+
+    /// Colours the samples at a lattice's rays.
+    fn shade_samples<'t>(
+        &'t mut self,
+        colors: EightColors,
+        lattice: Lattice,
+        hits: HitRows<'_>,
+        picture: Target<'t, '_>,
+    ) {
         let simd = self.shader().simd();
-        let work = ShadeEights {
-            shader: self,
-            colors,
-            lattice,
-            hits: HitRows::new(hits),
-            picture: Target::Light(light),
-        };
-        dispatch(simd, work);
+        match self.shader().row_colors(colors) {
+            Some(colors) => {
+                let work = ShadeScanlines {
+                    shader: self,
+                    colors,
+                    lattice,
+                    hits,
+                    picture,
+                };
+                dispatch(simd, work);
+            }
+            None => {
+                let work = ShadeEights {
+                    shader: self,
+                    colors,
+                    lattice,
+                    hits,
+                    picture,
+                };
+                dispatch(simd, work);
+            }
+        }
     }
 
     /// Colours of eight samples of a row, of which one at least shows a triangle. Those that show none get any colour.
@@ -337,14 +348,6 @@ impl TileShader<'_> {
         let lit = shader.eight_reflected(lanes, &surfaces, normal, to_eye);
         lit.plus(emission).replaced(zero.lt(is_unlit), base)
     }
-}
-
-/// Where colours go.
-enum Target<'t, 'p> {
-    /// The rows of a rectangle of a picture. Whatever gives them, this is compiled once: it is long.
-    Bytes(&'t mut dyn Iterator<Item = &'p mut [[u8; 4]]>),
-    /// Linear light, row by row.
-    Light(&'t mut [[f32; 4]]),
 }
 
 /// The samples at a lattice's rays, eight at once.

@@ -46,6 +46,13 @@ impl<'h> HitRows<'h> {
         }
     }
 
+    /// The triangles that so many rays from a number on hit, as far as they are known.
+    #[inline(always)]
+    pub(super) fn row(&self, first: usize, count: usize) -> &'h [u32] {
+        let all = self.primitives.get(first..).unwrap_or_default();
+        &all[..all.len().min(count)]
+    }
+
     /// The triangles that eight rays from a number on hit; a miss beyond the last.
     #[inline(always)]
     pub(super) fn eight_primitives(&self, first: usize) -> &'h [u32; LANES] {

@@ -168,16 +168,20 @@ impl Linear {
         ((corner + down * y) + right * x) as f32
     }
 
+    /// Along a row of places.
+    #[inline(always)]
+    fn in_row(&self, y: f64) -> AlongRow {
+        let [corner, right, down] = self.0;
+        AlongRow {
+            first: corner + down * y,
+            right,
+        }
+    }
+
     /// At eight places of a row.
     #[inline(always)]
     fn eight<L: Lanes>(&self, lanes: L, xs: &[f64; LANES], y: f64) -> L::F32 {
-        let [corner, right, down] = self.0;
-        let first = corner + down * y;
-        let mut all = [0.0; LANES];
-        for (all, x) in all.iter_mut().zip(xs) {
-            *all = (first + right * x) as f32;
-        }
-        lanes.load(&all)
+        self.in_row(y).eight(lanes, xs)
     }
 
     /// Values at the corners, interpolated: numerators over W.
@@ -188,6 +192,36 @@ impl Linear {
             w.0[i] * a + u.0[i] * (b - a) + v.0[i] * (c - a)
         }))
     }
+}
+
+/// A linear function along a row of places.
+#[derive(Clone, Copy)]
+pub(super) struct AlongRow {
+    first: f64,
+    right: f64,
+}
+
+impl AlongRow {
+    /// At eight places.
+    #[inline(always)]
+    pub(super) fn eight<L: Lanes>(&self, lanes: L, xs: &[f64; LANES]) -> L::F32 {
+        let mut all = [0.0; LANES];
+        for (all, x) in all.iter_mut().zip(xs) {
+            *all = (self.first + self.right * x) as f32;
+        }
+        lanes.load(&all)
+    }
+}
+
+/// Three functions at eight places.
+#[inline(always)]
+pub(super) fn eight_along<L: Lanes>(
+    lanes: L,
+    [x, y, z]: &[AlongRow; 3],
+    xs: &[f64; LANES],
+) -> Vectors<L> {
+    let xyz = [x.eight(lanes, xs), y.eight(lanes, xs), z.eight(lanes, xs)];
+    Vectors::new(lanes, xyz)
 }
 
 /// A triangle's interpolants: t, u and v of the places that show it.
@@ -301,6 +335,18 @@ impl Interpolants {
         [self.t.eight(lanes, xs, y), self.w.eight(lanes, xs, y)]
     }
 
+    /// U, V and W along a row.
+    #[inline(always)]
+    pub(super) fn weights_in_row(&self, y: f64) -> [AlongRow; 3] {
+        [self.u.in_row(y), self.v.in_row(y), self.w.in_row(y)]
+    }
+
+    /// t's numerator, without |D|, and W along a row.
+    #[inline(always)]
+    pub(super) fn distances_in_row(&self, y: f64) -> [AlongRow; 2] {
+        [self.t.in_row(y), self.w.in_row(y)]
+    }
+
     /// The normals at the corners, of unit length, interpolated on the side of `flat`; `None` where they may cancel.
     pub(super) fn normals(&self, normals: [Vec3; 3], flat: Vec3) -> Option<LinearNormal> {
         let [a, b, c] = normals;
@@ -350,6 +396,13 @@ impl LinearNormal {
     #[inline(always)]
     pub(super) fn turns(&self) -> bool {
         self.turns
+    }
+
+    /// Along a row, not of unit length.
+    #[inline(always)]
+    pub(super) fn in_row(&self, y: f64) -> [AlongRow; 3] {
+        let [nx, ny, nz] = &self.xyz;
+        [nx.in_row(y), ny.in_row(y), nz.in_row(y)]
     }
 
     /// At eight places of a row, not of unit length.

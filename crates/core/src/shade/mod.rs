@@ -2,8 +2,9 @@
 //!
 //! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
 //! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
-//! mode needs. [`TileShader`] caches these. `eight` shades eight samples of a row at once in lanes, `eight_texture` reads
-//! their textures and `eight_channels` fills the other channels of a picture, all with the bits of single samples.
+//! mode needs. [`TileShader`] caches these. `scanlines` shades rows whose colours follow from linear functions, `eight`
+//! shades eight samples of a row at once in lanes, `eight_texture` reads their textures and `eight_channels` fills the
+//! other channels of a picture, all with the bits of single samples.
 
 mod depth_colors;
 mod edge_choice;
@@ -41,6 +42,9 @@ mod placed;
 mod ramp;
 mod reflection;
 mod sample;
+#[cfg(test)]
+mod scanline_tests;
+mod scanlines;
 mod section;
 mod shader;
 mod sides;
@@ -48,6 +52,7 @@ mod slopes;
 mod smooth;
 #[cfg(test)]
 mod smooth_tests;
+mod spans;
 pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;

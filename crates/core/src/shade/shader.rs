@@ -343,6 +343,13 @@ impl<'a> Shader<'a> {
         self.planar.as_ref()
     }
 
+    /// The direction to the eye, not of unit length, at a planar picture's top left corner, and its changes a pixel along x
+    /// and y.
+    #[inline(always)]
+    pub(super) fn to_eye(&self) -> &[Vec3; 3] {
+        &self.to_eye
+    }
+
     /// Unit vectors from eight samples of a row to the eye, in a planar picture.
     #[inline(always)]
     pub(super) fn eight_to_eye<L: Lanes>(&self, lanes: L, place: (&Row, f32)) -> Vectors<L> {

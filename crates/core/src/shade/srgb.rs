@@ -123,23 +123,45 @@ impl Tables {
         colors: Vectors<L>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let colors = colors
-            .max(Vectors::splat(lanes, Vec3::splat(DARKEST)))
-            .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)));
+        let colors = within(lanes, colors);
         let mut bytes = [[0; LANES]; 3];
         for (colors, bytes) in colors.xyz().into_iter().zip(&mut bytes) {
             // In lanes, all but the lookups.
-            let buckets = colors.shifted_bits(BUCKET_SHIFT, ALL_BUCKETS as u32 - 1);
-            let offsets = colors.shifted_bits(0, BUCKET - 1);
-            let mut steps = [0; LANES];
-            for lane in 0..LANES {
-                steps[lane] = self.steps[buckets[lane] as usize % ALL_BUCKETS];
-            }
-            for lane in 0..LANES {
-                bytes[lane] = (steps[lane] + offsets[lane]) / BUCKET;
-            }
+            *bytes = self.looked_up(&buckets(colors), &colors.shifted_bits(0, BUCKET - 1));
         }
         pack(&bytes, pixels);
+    }
+
+    /// The bytes of eight opaque colours [`within`] the tables, whose [`buckets`] are known.
+    ///
+    /// The lookups wait for the buckets, and those for all that the colours follow from. Where buckets come from memory,
+    /// written some time ago, the processor looks up one row's while it computes the next one's.
+    #[inline(always)]
+    pub(super) fn encode_buckets<L: Lanes>(
+        &self,
+        colors: Vectors<L>,
+        buckets: [&[u32; LANES]; 3],
+        pixels: &mut [[u8; 4]; LANES],
+    ) {
+        let mut bytes = [[0; LANES]; 3];
+        for ((colors, buckets), bytes) in colors.xyz().into_iter().zip(buckets).zip(&mut bytes) {
+            *bytes = self.looked_up(buckets, &colors.shifted_bits(0, BUCKET - 1));
+        }
+        pack(&bytes, pixels);
+    }
+
+    /// The bytes at these offsets in buckets.
+    #[inline(always)]
+    fn looked_up(&self, buckets: &[u32; LANES], offsets: &[u32; LANES]) -> [u32; LANES] {
+        let mut steps = [0; LANES];
+        for lane in 0..LANES {
+            steps[lane] = self.steps[buckets[lane] as usize % ALL_BUCKETS];
+        }
+        let mut bytes = [0; LANES];
+        for lane in 0..LANES {
+            bytes[lane] = (steps[lane] + offsets[lane]) / BUCKET;
+        }
+        bytes
     }
 
     /// The bytes of eight opaque colours given in sRGB, 0 to 1: [`Tables::encode`] of [`Tables::display`].
@@ -182,6 +204,20 @@ impl Tables {
         // The cast is saturating, and NaN becomes zero.
         self.decode((value * 255.0 + 0.5) as u8)
     }
+}
+
+/// Colours clamped to the range of the tables; NaN becomes the darkest.
+#[inline(always)]
+pub(super) fn within<L: Lanes>(lanes: L, colors: Vectors<L>) -> Vectors<L> {
+    colors
+        .max(Vectors::splat(lanes, Vec3::splat(DARKEST)))
+        .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)))
+}
+
+/// The buckets of eight values in the range of the tables.
+#[inline(always)]
+pub(super) fn buckets<V: F32x8>(values: V) -> [u32; LANES] {
+    values.shifted_bits(BUCKET_SHIFT, ALL_BUCKETS as u32 - 1)
 }
 
 /// The nearest bytes of eight colours given in sRGB, 0 to 1.

@@ -4,7 +4,7 @@
 use super::Shader;
 use crate::hit::{Detail, HitNumbers};
 use crate::scene::{Object, Reflectance, Scene};
-use crate::shade::eight_colors::EightColors;
+use crate::shade::eight_colors::{EightColors, RowColors};
 use crate::shade::facet::Needs;
 use crate::shade::own_color::OwnColors;
 use crate::shade::{Mode, Shading};
@@ -116,6 +116,25 @@ impl Shader<'_> {
             Mode::Barycentric => Some(EightColors::Barycentric),
             Mode::Uv => Some(EightColors::Uv),
             Mode::Wireframe if self.background.is_some() => Some(EightColors::Lines),
+            _ => None,
+        }
+    }
+}
+
+impl Shader<'_> {
+    /// How whole rows are shaded; `None` where eight samples are shaded at once.
+    pub(in crate::shade) fn row_colors(&self, colors: EightColors) -> Option<RowColors> {
+        let needs = self.needs;
+        let others = needs.edges || needs.texture || needs.varied || self.has_overlay();
+        if others || self.planar.is_none() {
+            return None;
+        }
+        match colors {
+            EightColors::Smooth => Some(RowColors::Smooth),
+            EightColors::Normals => Some(RowColors::Normals),
+            EightColors::Depth => Some(RowColors::Depth),
+            EightColors::Barycentric => Some(RowColors::Barycentric),
+            EightColors::Uv => Some(RowColors::Uv),
             _ => None,
         }
     }

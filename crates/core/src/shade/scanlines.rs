@@ -1,0 +1,572 @@
+//! Rows of samples whose colours follow from the triangles and from functions that are linear over the image plane.
+//!
+//! A row is shaded in two steps. First each span of samples that show one triangle gets the values of the triangle's
+//! functions, eight samples at a time; a span's last eight may reach into the next span, which overwrites them. Then eight
+//! samples at a time are coloured by these numbers, whatever triangles they show. Each sample has the bits of
+//! [`Shader::color`](super::Shader::color).
+
+use super::eight_colors::{Eight, RowColors, Target};
+use super::facet::Interpolation;
+use super::hit_rows::HitRows;
+use super::interpolants::{PlanarRays, eight_along, eight_weights_of};
+use super::spans::{COLUMNS, Span, put, spans};
+use super::tile::within;
+use super::vectors::{Rows, Vectors};
+use super::{Shader, TileShader, srgb};
+use crate::camera::Lattice;
+use crate::num::simd::{F32x8, LANES, Lanes, Work};
+use crate::{MISS, PrimitiveHit};
+use glam::Vec3;
+
+/// Numbers of a sample, at most: U, V, W and texture coordinates at the corners.
+const NUMBERS: usize = 9;
+
+/// A number a sample of a row, and room for the last eight of a span.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+struct Numbers<N>([N; COLUMNS + LANES]);
+
+impl<N: Copy> Numbers<N> {
+    /// Eight of them. Places are below [`COLUMNS`].
+    #[inline(always)]
+    fn eight(&self, at: usize) -> &[N; LANES] {
+        let all = &self.0[at % COLUMNS..];
+        all.first_chunk()
+            .expect("more than eight from any place on")
+    }
+
+    #[inline(always)]
+    fn eight_mut(&mut self, at: usize) -> &mut [N; LANES] {
+        let all = &mut self.0[at % COLUMNS..];
+        all.first_chunk_mut()
+            .expect("more than eight from any place on")
+    }
+}
+
+/// Columns of samples: what all rows of a tile share.
+struct Columns {
+    x: Numbers<f64>,
+    /// The direction to the eye, but for what depends on the row.
+    to_eye: [Numbers<f32>; 3],
+}
+
+impl Columns {
+    /// Those of a lattice from a column on.
+    fn new(shader: &Shader<'_>, lattice: &Lattice, column: u32) -> Self {
+        let mut columns = Self {
+            x: Numbers([0.0; COLUMNS + LANES]),
+            to_eye: [Numbers([0.0; COLUMNS + LANES]); 3],
+        };
+        let [corner, right, _] = shader.to_eye();
+        for (at, x) in columns.x.0.iter_mut().enumerate() {
+            (*x, _) = lattice.place(column + at as u32, 0);
+            let to_eye = *corner + *right * *x as f32;
+            for (numbers, coordinate) in columns.to_eye.iter_mut().zip(to_eye.to_array()) {
+                numbers.0[at] = coordinate;
+            }
+        }
+        columns
+    }
+}
+
+/// The samples at a lattice's rays, row by row.
+pub(super) struct ShadeScanlines<'t, 's, 'h, 'p> {
+    pub(super) shader: &'t mut TileShader<'s>,
+    pub(super) colors: RowColors,
+    pub(super) lattice: Lattice,
+    pub(super) hits: HitRows<'h>,
+    pub(super) picture: Target<'t, 'p>,
+}
+
+impl Work for ShadeScanlines<'_, '_, '_, '_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let Self {
+            shader: tile,
+            colors,
+            lattice,
+            hits,
+            mut picture,
+        } = self;
+        let shader = tile.shader();
+        let Some(planar) = shader.planar() else {
+            return;
+        };
+        let width = lattice.columns as usize;
+        let mut numbers = [Numbers([0.0; COLUMNS + LANES]); NUMBERS];
+        let mut unencoded = Unencoded::new();
+        let mut columns = Columns::new(shader, &lattice, 0);
+        for row in 0..lattice.rows {
+            let begin = row as usize * width;
+            let (_, y) = lattice.place(0, row);
+            let (mut pixels, mut light) = match &mut picture {
+                Target::Bytes(rows) => match rows.next() {
+                    Some(pixels) => (within(pixels, width), &mut [][..]),
+                    None => break,
+                },
+                Target::Light(light) => (&mut [][..], &mut light[begin..begin + width]),
+            };
+            let mut left = 0;
+            while left < width {
+                if width > COLUMNS {
+                    columns = Columns::new(shader, &lattice, left as u32);
+                }
+                let primitives = hits.row(begin + left, (width - left).min(COLUMNS));
+                let scanline = Scanline {
+                    tile,
+                    colors,
+                    planar,
+                    columns: &columns,
+                    numbers: &mut numbers,
+                    primitives,
+                    y,
+                };
+                let count = primitives.len();
+                if pixels.is_empty() {
+                    let behind = shader.backdrop(y);
+                    let (some, rest) = light.split_at_mut(count.min(light.len()));
+                    light = rest;
+                    let tables = shader.tables;
+                    let mut out = Light {
+                        tables,
+                        light: some,
+                        behind,
+                    };
+                    scanline.shade(lanes, &mut out);
+                } else {
+                    let behind = shader.backdrop8(lattice.y + row);
+                    let (some, rest) = pixels.split_at_mut(count.min(pixels.len()));
+                    pixels = rest;
+                    let tables = shader.tables;
+                    let mut out = Bytes {
+                        tables,
+                        unencoded: &mut unencoded,
+                        pixels: some,
+                        behind,
+                    };
+                    scanline.shade(lanes, &mut out);
+                }
+                left += COLUMNS;
+            }
+        }
+    }
+}
+
+/// Samples of a row, at most [`COLUMNS`].
+struct Scanline<'r, 's, 'h> {
+    tile: &'r mut TileShader<'s>,
+    colors: RowColors,
+    planar: &'r PlanarRays,
+    columns: &'r Columns,
+    /// What [`Scanline::evaluate`] has written.
+    numbers: &'r mut [Numbers<f32>; NUMBERS],
+    primitives: &'h [u32],
+    y: f64,
+}
+
+impl Scanline<'_, '_, '_> {
+    #[inline(always)]
+    fn shade<L: Lanes>(mut self, lanes: L, out: &mut impl Out) {
+        let mut first = 0;
+        let mut alone = 0u64;
+        for span in spans(self.primitives) {
+            if span.primitive == MISS {
+                self.color(lanes, (first, span.first), out);
+                out.misses(span.first, span.end);
+                first = span.end;
+            } else if !self.evaluate(lanes, span) {
+                alone |= (u64::MAX >> (COLUMNS - (span.end - span.first))) << span.first;
+            }
+        }
+        self.color(lanes, (first, self.primitives.len()), out);
+        if alone != 0 {
+            self.color_alone(alone, out);
+        }
+    }
+
+    /// Writes the numbers of a span's triangle, and anything into up to seven samples after it. False where it has no
+    /// linear functions.
+    #[inline(always)]
+    fn evaluate<L: Lanes>(&mut self, lanes: L, span: Span) -> bool {
+        let facet = self.tile.facet(span.primitive, 0.0);
+        let numbers = &mut *self.numbers;
+        match self.colors {
+            RowColors::Smooth | RowColors::Normals => {
+                let Some(normal) = &facet.linear_normal else {
+                    return false;
+                };
+                let along = normal.in_row(self.y);
+                let side = normal.turns().then_some(facet.normal);
+                let mut at = span.first;
+                while at < span.end {
+                    let xs = self.columns.x.eight(at);
+                    let mut normal = eight_along(lanes, &along, xs);
+                    if let Some(flat) = side {
+                        normal = on_side(lanes, normal, flat);
+                    }
+                    store(normal.xyz(), numbers, at);
+                    at += LANES;
+                }
+                if matches!(self.colors, RowColors::Smooth) {
+                    fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
+                }
+            }
+            RowColors::Depth => {
+                let Interpolation::Linear(interpolants) = &facet.interpolation else {
+                    return false;
+                };
+                let [t, w] = interpolants.distances_in_row(self.y);
+                let mut at = span.first;
+                while at < span.end {
+                    let xs = self.columns.x.eight(at);
+                    store([t.eight(lanes, xs), w.eight(lanes, xs)], numbers, at);
+                    at += LANES;
+                }
+            }
+            RowColors::Barycentric | RowColors::Uv => {
+                let Interpolation::Linear(interpolants) = &facet.interpolation else {
+                    return false;
+                };
+                let along = interpolants.weights_in_row(self.y);
+                let mut at = span.first;
+                while at < span.end {
+                    let xs = self.columns.x.eight(at);
+                    store(eight_along(lanes, &along, xs).xyz(), numbers, at);
+                    at += LANES;
+                }
+                if matches!(self.colors, RowColors::Uv) {
+                    let [a, b, c] = facet.uvs.unwrap_or_default();
+                    let corners = [a.x, b.x, c.x, a.y, b.y, c.y];
+                    fill(lanes, corners, &mut numbers[3..], span);
+                }
+            }
+        }
+        true
+    }
+
+    /// Colours samples by their numbers, and any that come after them by anything.
+    #[inline(always)]
+    fn color<L: Lanes>(&self, lanes: L, samples: (usize, usize), out: &mut impl Out) {
+        match self.colors {
+            RowColors::Smooth => self.color_by(lanes, &SmoothLight, samples, out),
+            RowColors::Normals => self.color_by(lanes, &NormalColors, samples, out),
+            RowColors::Depth => self.color_by(lanes, &Greys, samples, out),
+            RowColors::Barycentric => self.color_by(lanes, &Weights, samples, out),
+            RowColors::Uv => self.color_by(lanes, &TextureCoordinates, samples, out),
+        }
+    }
+
+    /// [`Scanline::color`] in one mode.
+    #[inline(always)]
+    fn color_by<L: Lanes>(
+        &self,
+        lanes: L,
+        look: &impl Look,
+        (first, end): (usize, usize),
+        out: &mut impl Out,
+    ) {
+        let mut at = first;
+        while at < end {
+            out.eight(lanes, at, look.eight(lanes, self, at));
+            at += LANES;
+        }
+        out.finish(lanes, (first, end));
+    }
+
+    /// Colours samples, a bit each, one by one.
+    #[inline(never)]
+    fn color_alone(&mut self, samples: u64, out: &mut impl Out) {
+        for at in (0..self.primitives.len()).filter(|at| samples >> at & 1 == 1) {
+            let hit = PrimitiveHit {
+                primitive: self.primitives[at],
+                ..PrimitiveHit::NONE
+            };
+            out.one(at, self.tile.color(self.columns.x.0[at], self.y, &hit));
+        }
+    }
+
+    /// A number of eight samples.
+    #[inline(always)]
+    fn number<L: Lanes>(&self, lanes: L, number: usize, at: usize) -> L::F32 {
+        lanes.load(self.numbers[number].eight(at))
+    }
+
+    /// Three numbers of eight samples.
+    #[inline(always)]
+    fn vectors<L: Lanes>(&self, lanes: L, number: usize, at: usize) -> Vectors<L> {
+        let [x, y, z] = [number, number + 1, number + 2];
+        let xyz = [
+            self.number(lanes, x, at),
+            self.number(lanes, y, at),
+            self.number(lanes, z, at),
+        ];
+        Vectors::new(lanes, xyz)
+    }
+
+    /// The unit normals of eight samples.
+    #[inline(always)]
+    fn unit_normals<L: Lanes>(&self, lanes: L, at: usize) -> Vectors<L> {
+        let normal = self.vectors(lanes, 0, at);
+        normal.scaled(lanes.splat(1.0) / normal.length())
+    }
+
+    /// The barycentrics of eight samples.
+    #[inline(always)]
+    fn weights<L: Lanes>(&self, lanes: L, at: usize) -> [L::F32; 2] {
+        eight_weights_of(lanes, self.vectors(lanes, 0, at).xyz())
+    }
+}
+
+/// A vector of eight lanes for each of some numbers, from a sample on.
+#[inline(always)]
+fn store<L: F32x8, const N: usize>(all: [L; N], numbers: &mut [Numbers<f32>], at: usize) {
+    for (numbers, eight) in numbers.iter_mut().zip(all) {
+        eight.store(numbers.eight_mut(at));
+    }
+}
+
+/// The same numbers for all samples of a span.
+#[inline(always)]
+fn fill<L: Lanes, const N: usize>(
+    lanes: L,
+    all: [f32; N],
+    numbers: &mut [Numbers<f32>],
+    span: Span,
+) {
+    for (numbers, number) in numbers.iter_mut().zip(all) {
+        let number = lanes.splat(number);
+        let mut at = span.first;
+        while at < span.end {
+            number.store(numbers.eight_mut(at));
+            at += LANES;
+        }
+    }
+}
+
+/// Normals turned to the side of `flat`.
+#[inline(always)]
+fn on_side<L: Lanes>(lanes: L, normal: Vectors<L>, flat: Vec3) -> Vectors<L> {
+    let is_away = normal.dot(Vectors::splat(lanes, flat)).lt(lanes.splat(0.0));
+    normal.replaced(is_away, normal.scaled(lanes.splat(-1.0)))
+}
+
+/// What a mode makes of eight samples' numbers.
+trait Look {
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L>;
+}
+
+struct SmoothLight;
+
+impl Look for SmoothLight {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        let shader = row.tile.shader();
+        let [x, y, z] = &row.columns.to_eye;
+        let along = [
+            lanes.load(x.eight(at)),
+            lanes.load(y.eight(at)),
+            lanes.load(z.eight(at)),
+        ];
+        let [_, _, down] = *shader.to_eye();
+        let down = Vectors::splat(lanes, down).scaled(lanes.splat(row.y as f32));
+        let to_eye = Vectors::new(lanes, along).plus(down);
+        let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
+        let light = shader.light(lanes, row.unit_normals(lanes, at), to_eye);
+        Eight::Light(row.vectors(lanes, 3, at).times(light))
+    }
+}
+
+struct NormalColors;
+
+impl Look for NormalColors {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        let half = Vectors::splat(lanes, Vec3::splat(0.5));
+        Eight::Display(row.unit_normals(lanes, at).times(half).plus(half))
+    }
+}
+
+struct Greys;
+
+impl Look for Greys {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        let numbers = [row.number(lanes, 0, at), row.number(lanes, 1, at)];
+        let place = (row.columns.x.eight(at), row.y);
+        let t = row.planar.eight_distances_of(lanes, place, numbers);
+        Eight::Display(Vectors::all(lanes, row.tile.shader().eight_greys(lanes, t)))
+    }
+}
+
+struct Weights;
+
+impl Look for Weights {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        let [u, v] = row.weights(lanes, at);
+        let w = lanes.splat(1.0) - u - v;
+        Eight::Display(Vectors::new(lanes, [w, u, v]))
+    }
+}
+
+struct TextureCoordinates;
+
+impl Look for TextureCoordinates {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        let [u, v] = row.weights(lanes, at);
+        let w = lanes.splat(1.0) - u - v;
+        let [ax, bx, cx] = row.vectors(lanes, 3, at).xyz();
+        let [ay, by, cy] = row.vectors(lanes, 6, at).xyz();
+        let x = ax * w + bx * u + cx * v;
+        let y = ay * w + by * u + cy * v;
+        let [x, y] = [x - x.floor(), y - y.floor()];
+        Eight::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]))
+    }
+}
+
+/// Where colours of a row go.
+trait Out {
+    /// Eight samples' colours, as far as the row reaches.
+    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>);
+
+    /// What is left to do once all eights of these samples are there.
+    fn finish<L: Lanes>(&mut self, lanes: L, samples: (usize, usize));
+
+    /// Samples that show no triangle.
+    fn misses(&mut self, first: usize, end: usize);
+
+    /// One sample's colour.
+    fn one(&mut self, at: usize, color: [f32; 4]);
+}
+
+/// Colours in linear light that are not encoded yet, and their buckets in the tables of [`srgb`].
+struct Unencoded {
+    colors: [Numbers<f32>; 3],
+    buckets: [Numbers<u32>; 3],
+    /// Whether there are any.
+    is_used: bool,
+}
+
+impl Unencoded {
+    fn new() -> Self {
+        Self {
+            colors: [Numbers([0.0; COLUMNS + LANES]); 3],
+            buckets: [Numbers([0; COLUMNS + LANES]); 3],
+            is_used: false,
+        }
+    }
+}
+
+/// A picture's pixels.
+struct Bytes<'r, 'p> {
+    tables: &'static srgb::Tables,
+    unencoded: &'r mut Unencoded,
+    pixels: &'p mut [[u8; 4]],
+    behind: [u8; 4],
+}
+
+impl Out for Bytes<'_, '_> {
+    #[inline(always)]
+    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>) {
+        match colors {
+            Eight::Light(light) => {
+                let light = srgb::within(lanes, light);
+                let unencoded = &mut *self.unencoded;
+                unencoded.is_used = true;
+                let rows = unencoded.colors.iter_mut().zip(&mut unencoded.buckets);
+                for ((colors, buckets), light) in rows.zip(light.xyz()) {
+                    light.store(colors.eight_mut(at));
+                    *buckets.eight_mut(at) = srgb::buckets(light);
+                }
+            }
+            Eight::Display(values) => {
+                let mut bytes = [[0; 4]; LANES];
+                self.tables.display_row(lanes, values, &mut bytes);
+                put(self.pixels, at, &bytes);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&mut self, lanes: L, (first, end): (usize, usize)) {
+        if !self.unencoded.is_used {
+            return;
+        }
+        let Unencoded {
+            colors: [r, g, b],
+            buckets: [r_buckets, g_buckets, b_buckets],
+            ..
+        } = &*self.unencoded;
+        let mut at = first;
+        while at < end {
+            let colors = [
+                lanes.load(r.eight(at)),
+                lanes.load(g.eight(at)),
+                lanes.load(b.eight(at)),
+            ];
+            let colors = Vectors::new(lanes, colors);
+            let buckets = [
+                r_buckets.eight(at),
+                g_buckets.eight(at),
+                b_buckets.eight(at),
+            ];
+            let mut bytes = [[0; 4]; LANES];
+            self.tables.encode_buckets(colors, buckets, &mut bytes);
+            put(self.pixels, at, &bytes);
+            at += LANES;
+        }
+    }
+
+    #[inline(always)]
+    fn misses(&mut self, first: usize, end: usize) {
+        if let Some(pixels) = self.pixels.get_mut(first..end) {
+            pixels.fill(self.behind);
+        }
+    }
+
+    fn one(&mut self, at: usize, color: [f32; 4]) {
+        if let Some(pixel) = self.pixels.get_mut(at) {
+            *pixel = srgb::encode(color);
+        }
+    }
+}
+
+/// Samples in linear light.
+struct Light<'p> {
+    tables: &'static srgb::Tables,
+    light: &'p mut [[f32; 4]],
+    behind: [f32; 4],
+}
+
+impl Out for Light<'_> {
+    #[inline(always)]
+    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>) {
+        let opaque = match colors {
+            Eight::Light(light) => light,
+            Eight::Display(values) => self.tables.displayed(lanes, values),
+        };
+        let Rows([r, g, b]) = opaque.store();
+        let mut all = [[1.0; 4]; LANES];
+        for (lane, light) in all.iter_mut().enumerate() {
+            *light = [r[lane], g[lane], b[lane], 1.0];
+        }
+        put(self.light, at, &all);
+    }
+
+    #[inline(always)]
+    fn finish<L: Lanes>(&mut self, _: L, _: (usize, usize)) {}
+
+    #[inline(always)]
+    fn misses(&mut self, first: usize, end: usize) {
+        if let Some(light) = self.light.get_mut(first..end) {
+            light.fill(self.behind);
+        }
+    }
+
+    fn one(&mut self, at: usize, color: [f32; 4]) {
+        if let Some(light) = self.light.get_mut(at) {
+            *light = color;
+        }
+    }
+}

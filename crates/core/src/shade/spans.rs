@@ -1,0 +1,114 @@
+//! Spans of neighbouring samples of a row that show one triangle, or none.
+
+use crate::num::simd::LANES;
+
+/// The most samples of a row whose spans are found at once: a row of a tile of the usual size.
+pub(super) const COLUMNS: usize = 64;
+
+/// Samples of a row from `first` up to but not including `end`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Span {
+    pub(super) primitive: u32,
+    pub(super) first: usize,
+    pub(super) end: usize,
+}
+
+/// The spans of a row, from left to right.
+pub(super) struct Spans<'h> {
+    primitives: &'h [u32],
+    /// A bit for each first sample of a span that is left.
+    starts: u64,
+}
+
+/// The spans of at most [`COLUMNS`] samples; those beyond are left out.
+#[inline(always)]
+pub(super) fn spans(primitives: &[u32]) -> Spans<'_> {
+    let primitives = &primitives[..primitives.len().min(COLUMNS)];
+    let (eights, rest) = primitives.as_chunks::<LANES>();
+    let mut starts = 0;
+    let mut last = primitives.first().map_or(0, |&first| !first);
+    // Without a branch, and eight at once: most rows have a span every few samples.
+    for (number, eight) in eights.iter().enumerate() {
+        let mut before = [last; LANES];
+        before[1..].copy_from_slice(&eight[..LANES - 1]);
+        let mut bits = 0;
+        for lane in 0..LANES {
+            bits |= u32::from(eight[lane] != before[lane]) << lane;
+        }
+        starts |= u64::from(bits) << (number * LANES);
+        last = eight[LANES - 1];
+    }
+    for (at, &primitive) in (eights.len() * LANES..).zip(rest) {
+        starts |= u64::from(primitive != last) << at;
+        last = primitive;
+    }
+    Spans { primitives, starts }
+}
+
+impl Iterator for Spans<'_> {
+    type Item = Span;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Span> {
+        if self.starts == 0 {
+            return None;
+        }
+        let first = self.starts.trailing_zeros() as usize;
+        self.starts &= self.starts - 1;
+        // With no bit left there are 64 trailing zeros.
+        let end = (self.starts.trailing_zeros() as usize).min(self.primitives.len());
+        Some(Span {
+            primitive: self.primitives[first],
+            first,
+            end,
+        })
+    }
+}
+
+/// Writes eight items from a place on, as far as the row reaches: a span's last eight reach into the next span, which
+/// overwrites them.
+#[inline(always)]
+pub(super) fn put<T: Copy>(row: &mut [T], at: usize, eight: &[T; LANES]) {
+    match row.get_mut(at..).and_then(<[T]>::first_chunk_mut) {
+        Some(all) => *all = *eight,
+        None => {
+            for (item, &one) in row.iter_mut().skip(at).zip(eight) {
+                *item = one;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::MISS;
+    use crate::random::Random;
+
+    /// Against a search one by one, for rows of every length.
+    #[test]
+    fn spans_are_the_longest_stretches_of_equal_primitives() {
+        let mut random = Random(3);
+        for length in 0..=COLUMNS {
+            for kinds in [1.0, 2.0, 9.0] {
+                let kind = |_| match (random.unit() * kinds) as u32 {
+                    0 => MISS,
+                    other => other,
+                };
+                let primitives: Vec<u32> = (0..length).map(kind).collect();
+                let mut expected: Vec<Span> = Vec::new();
+                for (at, &primitive) in primitives.iter().enumerate() {
+                    match expected.last_mut() {
+                        Some(span) if span.primitive == primitive => span.end = at + 1,
+                        _ => expected.push(Span {
+                            primitive,
+                            first: at,
+                            end: at + 1,
+                        }),
+                    }
+                }
+                assert_eq!(spans(&primitives).collect::<Vec<_>>(), expected);
+            }
+        }
+    }
+}
