@@ -92,6 +92,9 @@ impl TileShader<'_> {
         let (u, v) = hits.load_weights(lanes);
         let light = match colors {
             EightColors::Own => self.surface_colors(lanes, rays, place, hits, None),
+            EightColors::Flat if !shader.needs().texture && !shader.needs().varied => {
+                self.flat_colors(lanes, hits.primitives)
+            }
             EightColors::Flat => {
                 let surface = self.surface_colors(lanes, rays, place, hits, None);
                 surface.times(self.flat_light(lanes, hits.primitives))
@@ -246,6 +249,18 @@ impl TileShader<'_> {
                 *pixel = self.pixel8(x, y, &hit);
             }
         }
+    }
+
+    /// Colours of the triangles that eight samples show, each under the light on it.
+    #[inline(always)]
+    fn flat_colors<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
+        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let one = Vectors::splat(lanes, facet.color * facet.light);
+            colors = colors.replaced(lanes.mask_from(run.first), one);
+        }
+        colors
     }
 
     /// The light on the triangles that eight samples show.
