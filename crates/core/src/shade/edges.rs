@@ -42,7 +42,8 @@ impl LineStyle {
 /// the same way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EdgeLines {
-    /// Coefficients of x, y and 1 for each edge. An edge that is seen as a point is infinitely far from every pixel.
+    /// Coefficients of x, y and 1 for each edge, none of them NaN. An edge that is seen as a point is infinitely far from
+    /// every pixel.
     lines: [[f64; 3]; 3],
     /// The triangle's least height in pixels.
     height: f64,
@@ -62,6 +63,9 @@ struct LinearView {
 }
 
 impl EdgeLines {
+    /// A line that is infinitely far from every pixel.
+    const NOWHERE: [f64; 3] = [0.0, 0.0, f64::INFINITY];
+
     /// The edges of a triangle whose corners are relative to the eye.
     pub(super) fn new(camera: &Camera, corners: [DVec3; 3]) -> Self {
         let plane = camera.plane();
@@ -130,14 +134,16 @@ impl EdgeLines {
             };
             let (x, y) = (normal.dot(across), normal.dot(down));
             let gradient = (x * x + y * y).sqrt();
-            if gradient.is_normal() {
-                (
-                    [x / gradient, y / gradient, constant / gradient],
-                    at_opposite.abs() / gradient,
-                )
-            } else {
-                ([0.0, 0.0, f64::INFINITY], f64::INFINITY)
-            }
+            let constant = constant / gradient;
+            let line = match gradient.is_normal() && constant.is_finite() {
+                true => [x / gradient, y / gradient, constant],
+                false => Self::NOWHERE,
+            };
+            let height = match gradient.is_normal() {
+                true => at_opposite.abs() / gradient,
+                false => f64::INFINITY,
+            };
+            (line, height)
         };
         let edges = [edge(a, b, c), edge(b, c, a), edge(c, a, b)];
         Self {
@@ -212,11 +218,19 @@ impl EdgeLines {
     pub(super) fn coverages(&self, xs: &[f64; LANES], y: f64, width: f64) -> [f32; LANES] {
         let fade = LineStyle::Plain.fade(self.height, width);
         let (reach, most) = reach(width);
-        let mut nearest = [f64::INFINITY; LANES];
-        for [a, b, c] in self.lines {
+        let distances = |[a, b, c]: [f64; 3]| {
             let down = b * y;
-            for (nearest, x) in nearest.iter_mut().zip(xs) {
-                let distance = (a * x + down + c).abs();
+            let mut distances = [0.0; LANES];
+            for (distance, x) in distances.iter_mut().zip(xs) {
+                *distance = (a * x + down + c).abs();
+            }
+            distances
+        };
+        // None is NaN: a comparison with infinity at first would be compiled lane by lane.
+        let [first, rest @ ..] = self.lines;
+        let mut nearest = distances(first);
+        for line in rest {
+            for (nearest, distance) in nearest.iter_mut().zip(distances(line)) {
                 *nearest = if distance < *nearest {
                     distance
                 } else {
@@ -227,8 +241,8 @@ impl EdgeLines {
         let mut coverages = [0.0; LANES];
         for (coverage, distance) in coverages.iter_mut().zip(nearest) {
             let covered = reach - distance;
-            let covered = if covered < 0.0 { 0.0 } else { covered };
-            let covered = if covered > most { most } else { covered };
+            let covered = if covered > 0.0 { covered } else { 0.0 };
+            let covered = if covered < most { covered } else { most };
             *coverage = (covered * fade) as f32;
         }
         coverages
@@ -353,10 +367,10 @@ mod tests {
                 styles: None,
             };
             if round % 5 == 0 {
-                edges.lines[round % 3] = [0.0, 0.0, f64::INFINITY];
+                edges.lines[round % 3] = EdgeLines::NOWHERE;
             }
             if round % 7 == 0 {
-                edges.lines[2] = [f64::NAN; 3];
+                edges.lines[2] = EdgeLines::NOWHERE;
             }
             let width = [0.0, 0.5, 1.0, 2.7][round % 4];
             let y = random.unit() * 40.0;

@@ -103,6 +103,9 @@ impl TileShader<'_> {
         let (u, v) = hits.load_weights(lanes);
         let light = match colors {
             EightColors::Own => self.surface_colors(lanes, rays, place, hits, None),
+            EightColors::Flat if !shader.needs().texture && !shader.needs().varied => {
+                self.flat_colors(lanes, hits.primitives)
+            }
             EightColors::Flat => {
                 let surface = self.surface_colors(lanes, rays, place, hits, None);
                 surface.times(self.flat_light(lanes, hits.primitives))
@@ -195,9 +198,15 @@ impl TileShader<'_> {
         own: Option<Vectors<L>>,
     ) -> Vectors<L> {
         let needs = self.shader().needs();
+        let own = own.filter(|_| !needs.varied);
+        if needs.texture && !needs.varied {
+            if let Some(textured) = self.textured_by_uvs(lanes, hits, own) {
+                return textured;
+            }
+        }
         let own = match own {
-            Some(own) if !needs.varied => own,
-            _ => self.own_colors(lanes, rays, place, hits),
+            Some(own) => own,
+            None => self.own_colors(lanes, rays, place, hits),
         };
         if needs.texture {
             self.textured(lanes, rays, place, hits, own)
@@ -257,6 +266,18 @@ impl TileShader<'_> {
                 *pixel = self.pixel8(x, y, &hit);
             }
         }
+    }
+
+    /// Colours of the triangles that eight samples show, each under the light on it.
+    #[inline(always)]
+    fn flat_colors<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
+        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let one = Vectors::splat(lanes, facet.color * facet.light);
+            colors = colors.replaced(lanes.mask_from(run.first), one);
+        }
+        colors
     }
 
     /// The light on the triangles that eight samples show.

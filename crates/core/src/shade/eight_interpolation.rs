@@ -25,22 +25,28 @@ impl TileShader<'_> {
         numbers: &mut EightNumbers,
     ) -> bool {
         let needs = self.shader().needs();
-        let weighs = needs.texture || needs.uvs || needs.varied;
-        let (wants_t, wants_weights) = match colors {
-            EightColors::Depth => (true, false),
+        let weighs_all = needs.uvs || needs.varied;
+        let (wants_t, wants_all) = match colors {
+            EightColors::Depth => (true, true),
             EightColors::Barycentric => (false, true),
-            _ => (false, weighs),
+            _ => (false, weighs_all),
         };
-        if !(wants_t || wants_weights) {
+        if !(wants_all || needs.texture) {
             return true;
         }
         let (xs, y) = (rays.columns(column), rays.row(row));
         // Divided once, and not once a run. Lanes of misses hold anything.
         let mut weights = [lanes.splat(0.0); 3];
         let mut distances = [lanes.splat(0.0); 2];
+        let mut is_wanted = false;
         for run in runs(primitives) {
-            let Interpolation::Linear(interpolants) = &self.facet(run.primitive, 0.0).interpolation
-            else {
+            let facet = self.facet(run.primitive, 0.0);
+            // Of a scene with textures few triangles may have one.
+            if !wants_all && facet.texture.is_none() {
+                continue;
+            }
+            is_wanted = true;
+            let Interpolation::Linear(interpolants) = &facet.interpolation else {
                 return false;
             };
             let from = lanes.mask_from(run.first);
@@ -55,6 +61,9 @@ impl TileShader<'_> {
                     *all = from.select(one, *all);
                 }
             }
+        }
+        if !is_wanted {
+            return true;
         }
         if wants_t {
             let t = planar.eight_distances_of(lanes, (&xs, y), distances);

@@ -26,6 +26,7 @@ mod interpolant_tests;
 mod interpolants;
 mod legend;
 mod light;
+mod light_texels;
 mod line_overlay;
 #[cfg(test)]
 mod line_tests;

@@ -10,6 +10,7 @@ use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::math;
 use raycast_core::picture::Format;
 use raycast_core::render::{Settings, TileStats, View};
+use raycast_core::shade::Filter;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -70,15 +71,16 @@ impl OpenedScene {
             ..
         } = file;
         let name = setup::name_of(&args.files);
-        let levels = match settings.shading.filter.has_footprint() {
-            true => scene.level_bytes(),
-            false => 0,
+        let copies = match settings.shading.filter {
+            Filter::Nearest => 0,
+            Filter::Bilinear => scene.light_bytes(),
+            Filter::Trilinear | Filter::Ewa => scene.level_bytes(),
         };
         let normals = match settings.shading.is_creased() {
             true => scene.crease_bytes(),
             false => 0,
         };
-        memory::check_scene(&name, setup::stored_triangles(&scene), levels + normals)?;
+        memory::check_scene(&name, setup::stored_triangles(&scene), copies + normals)?;
         let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
         let build_time = building.elapsed();
         let bounds = setup::bounds(&scene, &accel);

@@ -208,10 +208,10 @@ impl Load<'_> {
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
-        // Filters that need mip levels can be chosen at any time.
+        // Each filter can be chosen at any time.
         let triangles = Accel::stored_triangles(&scene);
-        memory::check_scene(&called, triangles, scene.level_bytes())
-            .map_err(|error| error.to_string())?;
+        let copies = scene.level_bytes() + scene.light_bytes();
+        memory::check_scene(&called, triangles, copies).map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
             // A scene with nothing visible may be intended.
