@@ -181,8 +181,8 @@ impl Reader<'_> {
     }
 
     pub(super) fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
-        let line = self.line(camera);
-        let camera = camera.get_ref();
+        let table = camera;
+        let camera = table.get_ref();
         let mut projection = camera.projection.0;
         if let Some(lens) = &camera.lens {
             if projection != Projection::Perspective {
@@ -220,7 +220,7 @@ impl Reader<'_> {
             }
             (Projection::Orthographic, None, None) => {
                 let expected = "`frame`, the height of an orthographic camera's frame";
-                return Err(FormatError::unexpected(self.path, line, expected, "none"));
+                return Err(self.fault(table, expected, "none"));
             }
         };
         let (eye, target) = (self.vector(&camera.eye)?, self.vector(&camera.target)?);
