@@ -16,9 +16,7 @@ use crate::camera::{
 };
 use crate::quote::{self, quote};
 use crate::ranges;
-use crate::scene::{
-    Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene,
-};
+use crate::scene::{ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene, Unseen};
 use crate::shade::{Background, Ground, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
@@ -95,28 +93,8 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
     };
     let placed = scene.objects.iter().zip(transforms);
     let warnings = placed.filter_map(|(object, world_from_object)| {
+        let why = Unseen::of(object, &world_from_object)?;
         let count = object.mesh.kept().len();
-        if count == 0 {
-            return None;
-        }
-        let bounds = object.mesh.bounds();
-        let corners = bounds
-            .corners()
-            .map(|corner| world_from_object.transform_point3(corner));
-        let placed = Bounds::around(corners);
-        // A box that is out of range along an axis, or degenerate to a line, contains nothing that rays can hit.
-        let nearest = DVec3::ZERO.clamp(placed.min, placed.max);
-        let is_far = nearest.abs().max_element() > COORDINATE_LIMIT;
-        let [x, y, z] = world_from_object
-            .matrix3
-            .to_cols_array_2d()
-            .map(DVec3::from_array);
-        let is_line = [x.cross(y), y.cross(z), z.cross(x)] == [DVec3::ZERO; 3];
-        let why = match (is_far, is_line) {
-            (true, _) => format!("it lies further than {COORDINATE_LIMIT:e} from zero"),
-            (_, true) => "it is scaled to nothing".to_owned(),
-            _ => return None,
-        };
         let name = quote(&object.name);
         Some(format!(
             "{path}: none of the {count} triangles of object {name} is seen: {why}"
