@@ -59,6 +59,14 @@ impl Inputs {
         let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         write(at, "bare.bin", corners.map(f32::to_le_bytes).concat());
         write(at, "unused.bin", [0; 4]);
+        // No texture coordinates here, either.
+        write(
+            at,
+            "bare.ply",
+            "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 3\nproperty float x\n\
+             property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+             end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        );
         let ray = [0.2f32, 0.2, 5.0, 0.0, 0.0, 0.0, -1.0, 9.0];
         write(at, "rays", ray.map(f32::to_le_bytes).concat());
         let before = contents(at);
@@ -148,6 +156,7 @@ fn what_a_scene_names_is_not_written_over() {
             "bare.gltf",
             &["bare.gltf", "bare.bin", "unused.bin", "t.png"],
         ),
+        ("bare.ply", &["bare.ply", "t.png"]),
     ] {
         for name in named {
             inputs.assert_refused(file, &inputs.at(name));
@@ -360,6 +369,13 @@ fn frames_are_not_written_over_what_is_read_nor_statistics_over_frames() {
     let message = refuse(2, frames("f-%d.png"));
     assert!(message.contains("f-2.png: cannot be written"), "{message}");
     assert!(!inputs.at("f-0.png").exists());
+    assert!(bytes(&inputs.at("f-2.png")) == image);
+    // Nor where the command line names it as the texture.
+    let mut with_texture = frames("f-%d.png");
+    with_texture[1] = inputs.at("bare.gltf").into();
+    with_texture.extend(arguments!["--texture", inputs.at("f-2.png")]);
+    let message = refuse(2, with_texture);
+    assert!(message.contains("f-2.png: cannot be written"), "{message}");
     assert!(bytes(&inputs.at("f-2.png")) == image);
     let mut with_stats = frames("g-%d.png");
     with_stats.extend(arguments!["--stats", inputs.at("g-1.png")]);

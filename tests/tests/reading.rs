@@ -1,10 +1,11 @@
 //! The real binary over files that are hostile, damaged or odd: an error of one line or a warning,
 //! never a wait, never in silence.
 
+use raycast_tests::arguments;
 use raycast_tests::binary::{ProgramOutput, command, refuse, run, succeed};
 #[cfg(unix)]
 use raycast_tests::files::pipe;
-use raycast_tests::files::{folder, write};
+use raycast_tests::files::{asset, folder, write};
 use std::ffi::OsString;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -332,6 +333,42 @@ fn render_and_info_agree_on_scenes() {
             assert!(is_told, "{text}: {}", picture.errors);
             let output = String::from_utf8_lossy(&information.output);
             assert!(output.contains("warning"), "{text}: {output}");
+        }
+    }
+}
+
+#[test]
+fn a_scene_of_which_nothing_is_left_is_refused_and_says_why() {
+    let folder = folder();
+    let object = format!("[[object]]\nmesh = '{}'\n", asset("cube.obj").display());
+    let rays = write(folder.path(), "rays", [0; 32]);
+    let [picture, hits] = ["a.png", "hits"].map(|name| folder.path().join(name));
+    for (place, why) in [
+        ("visible = false", "12 hidden"),
+        ("scale = [0, 0, 0]", "12 scaled to nothing or too far away"),
+        (
+            "scale = [2, 0, 0]\nrotate = [0, 30, 40]",
+            "12 scaled to nothing",
+        ),
+        ("translate = [0, 2e18, 0]", "too far away"),
+    ] {
+        let scene = write(
+            folder.path(),
+            "a.raycast.toml",
+            format!("{object}{place}\n"),
+        );
+        for arguments in [
+            arguments!["render", &scene, "-o", &picture, "--size", "8x8"],
+            arguments!["cast", &scene, "--rays", &rays, "--hits", &hits],
+            arguments!["verify", &scene, "--size", "8x8"],
+        ] {
+            let output = run(&mut command(&arguments));
+            assert_eq!(output.status, Some(1), "{place}: {arguments:?}");
+            assert!(
+                output.errors.contains("nothing to see") && output.errors.contains(why),
+                "{place}: {}",
+                output.errors
+            );
         }
     }
 }

@@ -178,6 +178,10 @@ pub(super) fn read(
         mut warnings,
         mut notes,
     } = parsed;
+    if let Some(image) = &texture {
+        // Named, even if it is not shown for want of texture coordinates.
+        files.name(image);
+    }
     drop(unpacked);
     notes.splice(0..0, unpacked_from);
     up_axis.turn(&mut data);

@@ -3,7 +3,7 @@
 use super::error::FormatError;
 use super::files::beside;
 use super::mesh_file::{self, MeshObject};
-use super::scene_text::Reader;
+use super::scene_text::{Reader, line_at};
 use super::scene_toml::{CameraToml, ObjectToml, PhotographToml, ShapeToml};
 use super::scene_words::ProjectionToml;
 use super::{Progress, texture};
@@ -214,10 +214,11 @@ impl Reader<'_> {
         shape: &Spanned<ShapeToml>,
         warnings: &mut Vec<String>,
     ) -> Result<MeshObject, FormatError> {
-        let shape_line = self.line(shape);
-        let refused =
-            |error: ShapeError| FormatError::refused(self.path, shape_line, &error.to_string());
-        let shape = Shape::from(*shape.get_ref());
+        let table = shape;
+        let refused = |error: ShapeError| {
+            FormatError::refused(self.path, self.line(table), &error.to_string())
+        };
+        let shape = Shape::from(*table.get_ref());
         shape.check().map_err(refused)?;
         let budget = self.files.budget();
         if shape.triangles() > budget.triangles_left() {
@@ -303,12 +304,11 @@ impl Reader<'_> {
             &table.texture_front,
             &table.texture_up,
         ];
-        let said = directions
-            .into_iter()
-            .flatten()
-            .map(|value| self.line(value));
-        let mut said = said.chain(table.texture_size.as_ref().map(|size| self.line(size)));
-        let Some(line) = said.next() else {
+        let starts = directions.into_iter().flatten();
+        let starts = starts.map(|value| value.span().start);
+        let size = table.texture_size.as_ref();
+        let mut starts = starts.chain(size.map(|size| size.span().start));
+        let Some(start) = starts.next() else {
             return Ok(None);
         };
         let default = Projector::about(&object.mesh.bounds());
@@ -327,7 +327,10 @@ impl Reader<'_> {
         };
         match projector.axes() {
             Ok(_) => Ok(Some(projector)),
-            Err(error) => Err(FormatError::refused(self.path, line, &error.to_string())),
+            Err(error) => {
+                let line = Some(line_at(self.text.as_bytes(), start));
+                Err(FormatError::refused(self.path, line, &error.to_string()))
+            }
         }
     }
 

@@ -16,9 +16,7 @@ use crate::camera::{
 };
 use crate::quote::{self, quote};
 use crate::ranges;
-use crate::scene::{
-    Bounds, COORDINATE_LIMIT, ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene,
-};
+use crate::scene::{ClippingPlane, ClippingPlanes, ColorMap, ColorScale, Scene, Unseen};
 use crate::shade::{Background, Ground, Shading, Wireframe};
 use glam::DVec3;
 use std::path::Path;
@@ -95,28 +93,8 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
     };
     let placed = scene.objects.iter().zip(transforms);
     let warnings = placed.filter_map(|(object, world_from_object)| {
+        let why = Unseen::of(object, &world_from_object)?;
         let count = object.mesh.kept().len();
-        if count == 0 {
-            return None;
-        }
-        let bounds = object.mesh.bounds();
-        let corners = bounds
-            .corners()
-            .map(|corner| world_from_object.transform_point3(corner));
-        let placed = Bounds::around(corners);
-        // A box that is out of range along an axis, or degenerate to a line, contains nothing that rays can hit.
-        let nearest = DVec3::ZERO.clamp(placed.min, placed.max);
-        let is_far = nearest.abs().max_element() > COORDINATE_LIMIT;
-        let [x, y, z] = world_from_object
-            .matrix3
-            .to_cols_array_2d()
-            .map(DVec3::from_array);
-        let is_line = [x.cross(y), y.cross(z), z.cross(x)] == [DVec3::ZERO; 3];
-        let why = match (is_far, is_line) {
-            (true, _) => format!("it lies further than {COORDINATE_LIMIT:e} from zero"),
-            (_, true) => "it is scaled to nothing".to_owned(),
-            _ => return None,
-        };
         let name = quote(&object.name);
         Some(format!(
             "{path}: none of the {count} triangles of object {name} is seen: {why}"
@@ -181,8 +159,8 @@ impl Reader<'_> {
     }
 
     pub(super) fn camera(&self, camera: &Spanned<CameraToml>) -> Result<CameraFile, FormatError> {
-        let line = self.line(camera);
-        let camera = camera.get_ref();
+        let table = camera;
+        let camera = table.get_ref();
         let mut projection = camera.projection.0;
         if let Some(lens) = &camera.lens {
             if projection != Projection::Perspective {
@@ -220,7 +198,7 @@ impl Reader<'_> {
             }
             (Projection::Orthographic, None, None) => {
                 let expected = "`frame`, the height of an orthographic camera's frame";
-                return Err(FormatError::unexpected(self.path, line, expected, "none"));
+                return Err(self.fault(table, expected, "none"));
             }
         };
         let (eye, target) = (self.vector(&camera.eye)?, self.vector(&camera.target)?);

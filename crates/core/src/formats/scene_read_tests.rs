@@ -293,3 +293,16 @@ fn files_append() {
     assert_eq!(file.image.samples, Some(2));
     assert_eq!(file.image.size, Some((1280, 720)));
 }
+
+/// A file of a hundred thousand keyframes is read once, not as often as it has keyframes: that would take minutes.
+#[test]
+fn many_keyframes_are_read_in_one_go() {
+    use std::fmt::Write;
+    let mut text = "[animation]\n".to_owned();
+    for at in 0..100_000 {
+        let key = format!("[[animation.key]]\nat = {at}\neye = [0, 0, 9]\ntarget = [0, 0, 0]");
+        writeln!(text, "{key}").expect("text can be written");
+    }
+    let path = parse(&text).animation.expect("an animation");
+    assert_eq!(path.keys().len(), 100_000);
+}

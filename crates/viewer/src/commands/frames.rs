@@ -63,6 +63,8 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
         true => range.numbers().map(path).collect(),
         false => vec![args.output.clone()],
     };
+    let named: Vec<PathBuf> = inputs.iter().map(|input| (*input).to_owned()).collect();
+    Output::check_all(&outputs, &named)?;
     inputs.extend(outputs.iter().map(PathBuf::as_path));
     let stats_target = StatsTarget::at(args.stats.as_deref(), &inputs)?;
     let pool = workers(args.casting.threads)?;

@@ -37,6 +37,9 @@ pub(super) fn run(args: &TextureMapArgs) -> Result<(), Failure> {
     if let Some(wrap) = args.wrap {
         texture = texture.wrapped(wrap);
     }
+    let size = (texture.width(), texture.height());
+    let memory_for = |columns, rows| format.memory_for(columns, rows);
+    memory::check_picture(&args.output, size, memory_for, "")?;
     let mut map = TextureMap::new(&texture, args.crop).ok_or_else(|| {
         Failure::usage(format!(
             "the crop leaves {}, which is {}x{}",

@@ -290,7 +290,7 @@ fn sync(file: &File) -> io::Result<()> {
 
 /// Syncs a folder's entries to the disk. A folder without read permission cannot be synced.
 #[cfg(unix)]
-fn sync_directory(directory: &Path) -> io::Result<()> {
+pub(super) fn sync_directory(directory: &Path) -> io::Result<()> {
     match File::open(directory) {
         Ok(directory) => sync(&directory),
         Err(_) => Ok(()),
@@ -299,7 +299,7 @@ fn sync_directory(directory: &Path) -> io::Result<()> {
 
 /// Other systems sync a name with its file.
 #[cfg(not(unix))]
-fn sync_directory(_: &Path) -> io::Result<()> {
+pub(super) fn sync_directory(_: &Path) -> io::Result<()> {
     Ok(())
 }
 

@@ -1,14 +1,14 @@
 //! Folders of many files that appear as one.
 
 use super::file_identity::parent_directory;
-use super::part_file::{LOCK, PartFile, unfinished};
+use super::part_file::{LOCK, PartFile, sync_directory, unfinished};
 use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A folder being written under a temporary name: removed when dropped, unless [`PartFolder::persist`] renames it. Its
-/// files are not synced to the disk one by one.
+/// A folder being written under a temporary name: removed when dropped, unless [`PartFolder::persist`] syncs it to the
+/// disk and renames it.
 #[derive(Debug)]
 pub struct PartFolder {
     path: PathBuf,
@@ -47,16 +47,30 @@ impl PartFolder {
     /// # Errors
     /// Something that is there by now.
     pub fn persist(mut self) -> Result<(), Failure> {
+        let cannot = |place: &Path, error: io::Error| {
+            Failure::could_not(format!("{}: cannot be made: {error}", place.display()))
+        };
+        sync_file_system(&self.path).map_err(|error| cannot(&self.place, error))?;
         let mut paths = unfinished();
         let put = fs::remove_file(self.path.join(LOCK))
             .and_then(|()| fs::rename(&self.path, &self.place));
-        put.map_err(|error| {
-            Failure::could_not(format!("{}: cannot be made: {error}", self.place.display()))
-        })?;
+        put.map_err(|error| cannot(&self.place, error))?;
         self.lock = None;
         paths.retain(|path| *path != self.path);
-        Ok(())
+        drop(paths);
+        sync_directory(parent_directory(&self.place)).map_err(|error| cannot(&self.place, error))
     }
+}
+
+/// Syncs a folder's file system to the disk: its files one by one would take minutes.
+fn sync_file_system(folder: &Path) -> io::Result<()> {
+    #[cfg(target_os = "linux")]
+    rustix::fs::syncfs(File::open(folder)?)?;
+    // The others on Unix know only all file systems.
+    #[cfg(all(unix, not(target_os = "linux")))]
+    rustix::fs::sync();
+    let _ = folder;
+    Ok(())
 }
 
 impl Drop for PartFolder {

@@ -132,7 +132,7 @@ impl<'a> CameraRequest<'a> {
         if let (Some(step), Projection::Perspective) = (args.step, projection) {
             let fov = frame_to_fov(f64::from(plane.rows) * step, distance);
             if let Err(error) = ranges::fov(fov) {
-                return Err(Failure::usage(format!("a step of {step}: {error}")));
+                return Err(Failure::usage(format!("a step of {step:?}: {error}")));
             }
         }
         Ok(plane)

@@ -1,7 +1,7 @@
 use super::dropped::dropped;
 use super::nothing_to_see::NothingToSee;
 use crate::failure::Failure;
-use raycast_core::scene::{Bounds, Scene};
+use raycast_core::scene::{Bounds, Scene, Unseen};
 use raycast_core::{Accel, Simd};
 
 /// The environment variable that sets the instruction set of packets.
@@ -97,11 +97,18 @@ pub fn visible_tree(name: &str, scene: &Scene) -> Result<Accel, Failure> {
 /// # Errors
 /// [`NothingToSee`] where no triangle is left.
 pub fn visible(name: &str, scene: &Scene, accel: Accel) -> Result<Accel, Failure> {
-    if accel.is_empty() {
+    let placed = scene.world_from_objects().unwrap_or_default();
+    let mut placed = scene.objects.iter().zip(&placed);
+    let is_seen = placed.any(|(object, world_from_object)| {
+        object.visible && Unseen::of(object, world_from_object).is_none()
+    });
+    if accel.is_empty() || !is_seen {
+        let hidden = scene.objects.iter().filter(|object| !object.visible);
         return Err(NothingToSee {
             name: name.to_owned(),
             triangles: scene.triangle_count(),
             dropped: dropped(scene, &accel),
+            hidden: hidden.map(|object| object.mesh.kept().len()).sum(),
         }
         .into());
     }

@@ -213,11 +213,12 @@ impl Load<'_> {
         let copies = scene.level_bytes() + scene.light_bytes();
         memory::check_scene(&called, triangles, copies).map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
-        let accel = setup::tree_to_edit(&scene).and_then(|accel| match has_hidden {
-            // A scene with nothing visible may be intended.
-            true => Ok(accel),
-            false => setup::visible(&called, &scene, accel),
-        });
+        let accel =
+            setup::tree_to_edit(&scene).and_then(|accel| match has_hidden || !accel.is_empty() {
+                // A scene with nothing visible may be intended, and what is scaled to nothing can be scaled again.
+                true => Ok(accel),
+                false => setup::visible(&called, &scene, accel),
+            });
         let accel = accel.map_err(|error| error.to_string())?;
         let tree = Tree {
             bounds: setup::bounds(&scene, &accel),
