@@ -163,6 +163,60 @@ fn several_frames_in_one_png_are_those_of_their_own_files() {
     }
 }
 
+/// The truth is the frames' own PNGs; flat colours are fewer than 256 a frame and come back exactly.
+#[test]
+fn a_gifs_frames_are_those_of_their_own_files() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let mesh = asset("monkey.obj");
+    let turn = ["--turntable", "3", "--mode", "color"];
+    let transparent = [&turn[..], &["--background", "transparent"]].concat();
+    for (name, looks) in [("seen", &turn[..]), ("open", &transparent[..])] {
+        let gif = at(&format!("{name}.gif"));
+        render(&mesh, &gif, &[looks, &["--threads", "1"]].concat());
+        render(&mesh, &at(&format!("{name}%d.png")), looks);
+        let file = bytes(&gif);
+        render(&mesh, &gif, &[looks, &["--threads", "2"]].concat());
+        assert!(file == bytes(&gif), "{name}");
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(&file[..]).expect("a GIF");
+        for frame in 0..3 {
+            let found = decoder.read_next_frame().expect("a GIF").expect("a frame");
+            assert_eq!(found.delay, 4);
+            let one = at(&format!("{name}{frame}.png"));
+            let one = ImageFile::decode(&bytes(&one)).expect("a picture");
+            for (&[r, g, b, a], found) in (one.picture.pixels.iter()).zip(found.buffer.chunks(4)) {
+                if a < 128 {
+                    assert_eq!(found[3], 0, "{name} {frame}");
+                } else {
+                    assert_eq!(found, [r, g, b, 255], "{name} {frame}");
+                }
+            }
+        }
+        assert!(decoder.read_next_frame().expect("a GIF").is_none());
+    }
+    let rate = |rate| {
+        let gif = at("rate.gif");
+        arguments![
+            "render",
+            &mesh,
+            "-o",
+            gif,
+            "--turntable",
+            "2",
+            "--size",
+            "8x8",
+            "--rate",
+            rate
+        ]
+    };
+    let line = refuse(2, rate("51"));
+    assert!(line.contains("at most 50 frames a second"), "{line}");
+    assert!(!at("rate.gif").exists());
+    assert!(succeed(&rate("30")).errors.contains("3 and 4 by turns"));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_plans_lines_make_the_whole_pictures_bytes_in_any_order() {

@@ -1,5 +1,6 @@
 //! Pictures: as values, as files, and stitching them from fragments.
 
+mod animated_gif;
 mod animated_png;
 mod band;
 mod bands;
@@ -29,6 +30,7 @@ mod tiff;
 mod tiff_read;
 mod xmp;
 
+pub use animated_gif::AnimatedGif;
 pub use animated_png::AnimatedPng;
 pub use band::{Band, BandSizes};
 pub use bands::Bands;

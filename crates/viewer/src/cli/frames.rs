@@ -45,13 +45,13 @@ impl FromStr for FrameRange {
 #[command(next_help_heading = "Animation")]
 pub struct FrameArgs {
     /// Render these frames, both ends included, of --turntable or of the scene file's keyframes: each to an image of
-    /// its own, -o out-%05d.png, or all to one animated PNG, -o out.png
+    /// its own, -o out-%05d.png, or all to one animated PNG or GIF, -o out.png, -o out.gif
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
     /// Turn the camera once around its target in this many frames [default frames: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999_999))]
     pub turntable: Option<u32>,
-    /// Frames per second of an animated PNG [default: 25]
+    /// Frames per second of an animated PNG or GIF, a GIF's at most 50 [default: 25]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub rate: Option<u16>,
 }

@@ -1,27 +1,25 @@
 //! Rendering the frames of an animation: one scene and one tree; a frame is rendered while the one before is written.
 
+use super::animation::AnimationFormat;
 use super::banded::Banded;
 use super::opened_scene::OpenedScene;
 use super::render::{render_rect, sub_camera_at};
 use super::{Failure, workers};
 use crate::cli::{FrameRange, RenderArgs, frame_path};
 use crate::memory;
-use crate::output::{Output, Unfinished};
+use crate::output::Output;
 use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::StatsTarget;
 use raycast_core::camera::{Camera, CameraPath, DEFAULT_FOV, Rect};
 use raycast_core::formats::{CameraFile, ImageSettings};
-use raycast_core::picture::{AnimatedPng, Format, Fragment, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::picture::{Format, Fragment, ImageFile, Picture, Recipe, RowReader};
 use raycast_core::render::{TileStats, View};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
-
-/// The default frames a second of an animated PNG.
-const RATE: u16 = 25;
 
 /// Renders the requested frames.
 pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
@@ -33,15 +31,23 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
             "{name}: expected one place for the frame's number, as %d or %05d"
         )));
     }
-    let format = match (has_file_per_frame, args.output.extension()) {
-        (false, Some(extension)) if extension.eq_ignore_ascii_case("apng") => Format::Png,
-        _ => Format::from_name(&name)?,
+    let animation = match has_file_per_frame {
+        true => None,
+        false => AnimationFormat::from_name(&args.output),
     };
-    if !has_file_per_frame && (format != Format::Png || args.tiles.sub_camera.is_some()) {
+    if !has_file_per_frame && (animation.is_none() || args.tiles.sub_camera.is_some()) {
         return Err(Failure::usage(format!(
-            "{name}: several frames are written to a file each (out-%05d.png), or to one .png or .apng"
+            "{name}: several frames are written to a file each (out-%05d.png), or to one .png, .apng or .gif"
         )));
     }
+    if let Some(animation) = animation {
+        animation.check_rate(args)?;
+    }
+    // Frames of one file have no layers.
+    let format = match animation {
+        Some(_) => Format::Png,
+        None => Format::from_name(&name)?,
+    };
     if args.resume && !has_file_per_frame {
         return Err(Failure::usage(format!(
             "{name}: a file of several frames is written in one piece: leave out --resume"
@@ -86,10 +92,12 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
         *sum += tiles;
         Ok::<Picture, Failure>(picture)
     };
-    if has_file_per_frame {
-        write_each(args, &frames, format, &pool, &progress, &mut sum, render)?;
-    } else {
-        write_animation(args, &opened, &frames, &progress, &mut sum, render)?;
+    match animation {
+        None => write_each(args, &frames, format, &pool, &progress, &mut sum, render)?,
+        Some(animation) => animation.write(args, &opened, range, &progress, |frame| {
+            let view = frames.view(frame)?;
+            render(&view, view.camera.whole().rect, &mut sum)
+        })?,
     }
     progress.clear();
     opened.report(&stats_target, &sum, rendering.elapsed(), started, &pool)
@@ -309,54 +317,4 @@ fn is_complete(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part
         left -= rows.height;
     }
     true
-}
-
-/// Writes all frames to one animated PNG.
-fn write_animation(
-    args: &RenderArgs,
-    opened: &OpenedScene,
-    frames: &Frames<'_>,
-    progress: &TerminalProgress,
-    sum: &mut TileStats,
-    render: impl Fn(&View, Rect, &mut TileStats) -> Result<Picture, Failure>,
-) -> Result<(), Failure> {
-    let output = Output::at(&args.output, &[])?;
-    let camera = opened.view.camera;
-    let size = (camera.plane().columns, camera.plane().rows);
-    let memory_for = |columns, rows| 2 * Format::Png.memory_for(columns, rows);
-    memory::check_picture(&args.output, size, memory_for, "")?;
-    let rate = args.animation.rate.unwrap_or(RATE);
-    let is_opaque = Recipe::of(&opened.view).is_opaque();
-    let mut file: Unfinished = output.create()?;
-    let count = frames.range.count();
-    std::thread::scope(|scope| {
-        let (send, receive) = sync_channel::<Picture>(0);
-        let file = &mut file;
-        let writer = scope.spawn(move || -> Result<(), Failure> {
-            let mut png = AnimatedPng::new(file, size, count, rate, is_opaque)?;
-            for picture in receive {
-                png.add(&picture)?;
-                progress.done(1);
-            }
-            Ok(png.finish()?)
-        });
-        let mut render_all = || -> Result<(), Failure> {
-            for frame in frames.range.numbers() {
-                let view = frames.view(frame)?;
-                let picture = render(&view, view.camera.whole().rect, sum)?;
-                if send.send(picture).is_err() {
-                    break;
-                }
-            }
-            Ok(())
-        };
-        let cast = render_all();
-        drop(send);
-        let written = writer
-            .join()
-            .unwrap_or_else(|_| Err(Failure::could_not("a frame could not be written")));
-        // The error of a frame that could not be rendered explains why the file is incomplete.
-        cast.and(written)
-    })?;
-    file.finish()
 }

@@ -1,5 +1,6 @@
 //! Executing the command line: a file for each command that needs no window.
 
+mod animation;
 mod banded;
 mod bench;
 mod cast;
