@@ -5,7 +5,7 @@
 use super::{ImageError, Picture};
 use ::gif::{DisposalMethod, Encoder, Frame, Repeat};
 use color_quant::NeuQuant;
-use std::io::Write;
+use std::io::{self, Write};
 
 /// The most colours in a frame's palette.
 const COLORS: usize = 256;
@@ -24,7 +24,9 @@ const LEARNT: usize = 100_000;
 
 /// A GIF whose pictures repeat in a loop.
 pub struct AnimatedGif<W: Write> {
-    encoder: Encoder<W>,
+    to: W,
+    /// Writes to memory, since it ends its file when it is dropped, and panics where that fails.
+    encoder: Encoder<Vec<u8>>,
     size: (u16, u16),
     rate: u16,
     is_opaque: bool,
@@ -56,9 +58,10 @@ impl<W: Write> AnimatedGif<W> {
                 Self::MOST_RATE
             )));
         }
-        let mut encoder = Encoder::new(to, width, height, &[]).map_err(failed)?;
+        let mut encoder = Encoder::new(Vec::new(), width, height, &[]).map_err(failed)?;
         encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
         Ok(Self {
+            to,
             encoder,
             size: (width, height),
             rate,
@@ -106,7 +109,9 @@ impl<W: Write> AnimatedGif<W> {
             ..Frame::default()
         };
         self.count += 1;
-        self.encoder.write_frame(&frame).map_err(failed)
+        self.encoder.write_frame(&frame).map_err(failed)?;
+        let bytes = std::mem::take(self.encoder.get_mut());
+        self.to.write_all(&bytes).map_err(unwritten)
     }
 
     /// The delay of a frame: frames begin at the nearest hundredth, so that roundings do not add up.
@@ -120,17 +125,21 @@ impl<W: Write> AnimatedGif<W> {
     ///
     /// # Errors
     /// No picture; a write error.
-    pub fn finish(self) -> Result<(), ImageError> {
+    pub fn finish(mut self) -> Result<(), ImageError> {
         if self.count == 0 {
             return Err(ImageError::Encode("it has no frames".to_owned()));
         }
-        let mut to = self.encoder.into_inner().map_err(failed)?;
-        to.flush()
-            .map_err(|error| ImageError::Encode(error.to_string()))
+        let bytes = self.encoder.into_inner().map_err(failed)?;
+        self.to.write_all(&bytes).map_err(unwritten)?;
+        self.to.flush().map_err(unwritten)
     }
 }
 
 fn failed(error: ::gif::EncodingError) -> ImageError {
+    ImageError::Encode(error.to_string())
+}
+
+fn unwritten(error: io::Error) -> ImageError {
     ImageError::Encode(error.to_string())
 }
 
@@ -326,6 +335,26 @@ mod tests {
             let (least, most) = AnimatedGif::<Vec<u8>>::delays(rate);
             assert!(delays.iter().all(|delay| (least..=most).contains(delay)));
         }
+    }
+
+    /// A file on a disk that is full.
+    struct Full;
+
+    impl Write for Full {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::StorageFull.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error() {
+        let mut file = AnimatedGif::new(Full, (16, 15), 25, true).expect("nothing is written yet");
+        let error = file.add(&few(1)).expect_err("it is full").to_string();
+        assert!(error.contains("could not be encoded"), "{error}");
     }
 
     #[test]
