@@ -1,7 +1,5 @@
 use super::header::Element;
-use super::layout::{
-    COLOR, Columns, Layout, NONE, NORMAL, POSITION, Row, SCALAR, UNUSED, UV, index,
-};
+use super::layout::{COLOR, Columns, Layout, NONE, NORMAL, POSITION, UV, index};
 use super::values::Values;
 use crate::formats::error::FormatError;
 use crate::formats::limits::Budget;
