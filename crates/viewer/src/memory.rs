@@ -91,24 +91,24 @@ impl AvailableMemory {
     }
 
     /// As [`check_scene`].
-    fn check_scene(self, name: &str, triangles: usize, copies: u64) -> Result<(), Failure> {
+    fn check_scene(self, name: &str, triangles: usize, levels: u64) -> Result<(), Failure> {
         let tree = triangles as u64 * TREE_BYTES;
         let over = format!("{name}: the tree over {triangles} triangles");
-        let (what, fits) = match self.bytes.checked_sub(copies) {
-            _ if copies == 0 => (
+        let (what, fits) = match self.bytes.checked_sub(levels) {
+            _ if levels == 0 => (
                 over,
                 format!("{} triangles would fit", self.bytes / TREE_BYTES),
             ),
             Some(left) if left >= TREE_BYTES => (
-                format!("{over} and copies of its textures"),
+                format!("{over} and its textures' mip levels"),
                 format!("{} triangles would fit", left / TREE_BYTES),
             ),
             _ => (
-                format!("{over} and copies of its textures"),
-                "the filter nearest needs no copies of textures".to_owned(),
+                format!("{over} and its textures' mip levels"),
+                "the filters nearest and bilinear need no mip levels".to_owned(),
             ),
         };
-        self.check(tree.saturating_add(copies), what, fits)
+        self.check(tree.saturating_add(levels), what, fits)
     }
 
     /// As [`check_threads`].
@@ -175,14 +175,14 @@ pub fn check_tree(name: &str, triangles: usize) -> Result<(), Failure> {
     check_scene(name, triangles, 0)
 }
 
-/// Refuses a scene for whose tree, and `copies` bytes of mip levels and of texels in linear light that are made when a
-/// pixel first needs them, too little memory is left.
+/// Refuses a scene for whose tree, and `levels` bytes of mip levels that are made when a pixel first needs them, too
+/// little memory is left.
 ///
 /// # Errors
 /// Too many triangles or too large textures, with the figures and what would fit.
-pub fn check_scene(name: &str, triangles: usize, copies: u64) -> Result<(), Failure> {
+pub fn check_scene(name: &str, triangles: usize, levels: u64) -> Result<(), Failure> {
     match AvailableMemory::now() {
-        Some(available) => available.check_scene(name, triangles, copies),
+        Some(available) => available.check_scene(name, triangles, levels),
         None => Ok(()),
     }
 }
@@ -494,30 +494,27 @@ mod tests {
     }
 
     #[test]
-    fn copies_of_textures_are_counted_with_the_tree() {
+    fn mip_levels_are_counted_with_the_tree() {
         let available = AvailableMemory {
             bytes: 100 * MIB,
             limit: Limit::Data,
         };
         let triangles = (50 * MIB / TREE_BYTES) as usize;
         assert_eq!(available.check_scene("a.obj", triangles, 50 * MIB), Ok(()));
-        let refusal = |triangles, copies| {
-            let refused = available.check_scene("a.obj", triangles, copies);
+        let refusal = |triangles, levels| {
+            let refused = available.check_scene("a.obj", triangles, levels);
             refused.expect_err("too much").to_string()
         };
         let both = refusal(triangles, 60 * MIB);
         assert!(
-            both.contains("and copies of its textures needs 110 MiB"),
+            both.contains("and its textures' mip levels needs 110 MiB"),
             "{both}"
         );
         assert!(both.ends_with("209715 triangles would fit"), "{both}");
-        let copies = refusal(12, 101 * MIB);
-        assert!(
-            copies.ends_with("nearest needs no copies of textures"),
-            "{copies}"
-        );
+        let levels = refusal(12, 101 * MIB);
+        assert!(levels.ends_with("bilinear need no mip levels"), "{levels}");
         let tree = refusal(3 * triangles, 0);
-        assert!(!tree.contains("copies"), "{tree}");
+        assert!(!tree.contains("mip levels"), "{tree}");
     }
 
     #[test]

@@ -234,15 +234,6 @@ impl Scene {
     /// The bytes that the mip levels of its textures take once a filter needs them. A texture that several objects or
     /// materials share counts once.
     pub fn level_bytes(&self) -> u64 {
-        self.texture_bytes(Texture::level_bytes)
-    }
-
-    /// The bytes that its textures' texels in linear light take once a filter needs them, counted likewise.
-    pub fn light_bytes(&self) -> u64 {
-        self.texture_bytes(Texture::light_bytes)
-    }
-
-    fn texture_bytes(&self, bytes: fn(&Texture) -> u64) -> u64 {
         let objects = self.objects.iter();
         let textures = objects.flat_map(|object| {
             let materials = object.mesh.materials().iter();
@@ -250,7 +241,7 @@ impl Scene {
             object.texture.iter().chain(of_materials)
         });
         let distinct: BTreeMap<_, _> = textures
-            .map(|texture| (Arc::as_ptr(texture), bytes(texture)))
+            .map(|texture| (Arc::as_ptr(texture), texture.level_bytes()))
             .collect();
         distinct.values().sum()
     }

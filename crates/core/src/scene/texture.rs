@@ -1,11 +1,6 @@
 use super::Wrap;
 use std::sync::OnceLock;
 
-/// The most texels that are stored in linear light: those of an image of 1024 × 1024, with what lies beyond its sides, in
-/// 17 MB, four times the image's bytes. With a higher limit a scene of many large images would take gigabytes; larger images
-/// are decoded for each pixel.
-const MOST_LIGHT: u32 = 1028 * 1028;
-
 /// A rectangle of a texture's image, in pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
@@ -31,26 +26,20 @@ pub struct Texture {
     /// Whether it repeats along both axes, the common case.
     repeats: bool,
     crop: Option<Crop>,
-    levels: Derived<Texture>,
-    light: Derived<[f32; 4]>,
+    levels: Levels,
 }
 
-/// A cache of what follows from the texture. It does not take part in comparisons.
-#[derive(Clone, Debug)]
-struct Derived<T>(OnceLock<Vec<T>>);
+/// A cache of the texture's mip levels. They follow from the texture and do not take part in comparisons.
+#[derive(Clone, Debug, Default)]
+struct Levels(OnceLock<Vec<Texture>>);
 
-impl<T> Derived<T> {
-    /// Nothing yet.
-    const NONE: Self = Self(OnceLock::new());
-}
-
-impl<T> PartialEq for Derived<T> {
+impl PartialEq for Levels {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl<T> Eq for Derived<T> {}
+impl Eq for Levels {}
 
 impl Texture {
     /// A texture of `width × height` sRGB texels, rows from the top.
@@ -66,8 +55,7 @@ impl Texture {
             wrap: [Wrap::Repeat; 2],
             repeats: true,
             crop: None,
-            levels: Derived::NONE,
-            light: Derived::NONE,
+            levels: Levels::default(),
         })
     }
 
@@ -76,8 +64,7 @@ impl Texture {
         Self {
             wrap,
             repeats: wrap == [Wrap::Repeat; 2],
-            levels: Derived::NONE,
-            light: Derived::NONE,
+            levels: Levels::default(),
             ..self
         }
     }
@@ -116,35 +103,6 @@ impl Texture {
         self.levels.0.get_or_init(|| make(self))
     }
 
-    /// Its texels in linear light, row by row, with [`Texture::BEYOND`] wrapped ones on each side; `make` computes them on
-    /// first use.
-    #[inline(always)]
-    pub(crate) fn light(&self, make: impl FnOnce(&Self) -> Vec<[f32; 4]>) -> &[[f32; 4]] {
-        self.light.0.get_or_init(|| make(self))
-    }
-
-    /// Texels beyond each side of [`Texture::light`]. Of two neighbours one at least is then stored wherever they are,
-    /// if what is far beyond the image is as what is two texels beyond.
-    pub(crate) const BEYOND: u32 = 2;
-
-    /// Columns and rows of [`Texture::light`]. `None` for larger textures, and for mirrored ones, where the texels beyond
-    /// two are not all alike.
-    pub(crate) fn light_size(&self) -> Option<(u32, u32)> {
-        if self.wrap.contains(&Wrap::Mirror) {
-            return None;
-        }
-        let columns = self.width.checked_add(2 * Self::BEYOND)?;
-        let rows = self.height.checked_add(2 * Self::BEYOND)?;
-        let texels = columns.checked_mul(rows)?;
-        (texels <= MOST_LIGHT).then_some((columns, rows))
-    }
-
-    /// The bytes that its texels in linear light take once a filter needs them.
-    pub fn light_bytes(&self) -> u64 {
-        let texels = |(columns, rows)| u64::from(columns) * u64::from(rows);
-        self.light_size().map_or(0, texels) * size_of::<[f32; 4]>() as u64
-    }
-
     /// Columns and rows of the mip levels: halved and rounded down, to one texel.
     pub(crate) fn level_sizes(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let half = |&(width, height): &(u32, u32)| {
@@ -159,12 +117,10 @@ impl Texture {
         self.level_sizes().map(texels).sum::<u64>() * size_of::<[u8; 4]>() as u64
     }
 
-    /// The bytes of its texels, and of its mip levels and its texels in linear light once they were computed.
+    /// The bytes of its texels, and of its mip levels once they were computed.
     pub fn retained_bytes(&self) -> usize {
         let levels = self.levels.0.get().map_or(&[][..], Vec::as_slice);
-        let light = self.light.0.get().map_or(&[][..], Vec::as_slice);
-        let levels = levels.iter().map(Self::retained_bytes).sum::<usize>();
-        size_of_val(&self.texels[..]) + size_of_val(light) + levels
+        size_of_val(&self.texels[..]) + levels.iter().map(Self::retained_bytes).sum::<usize>()
     }
 
     /// The rectangle of the file's image that it shows; `None` for the whole image.

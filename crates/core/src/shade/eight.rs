@@ -198,15 +198,9 @@ impl TileShader<'_> {
         own: Option<Vectors<L>>,
     ) -> Vectors<L> {
         let needs = self.shader().needs();
-        let own = own.filter(|_| !needs.varied);
-        if needs.texture && !needs.varied {
-            if let Some(textured) = self.textured_by_uvs(lanes, hits, own) {
-                return textured;
-            }
-        }
         let own = match own {
-            Some(own) => own,
-            None => self.own_colors(lanes, rays, place, hits),
+            Some(own) if !needs.varied => own,
+            _ => self.own_colors(lanes, rays, place, hits),
         };
         if needs.texture {
             self.textured(lanes, rays, place, hits, own)

@@ -3,7 +3,7 @@
 use super::TileShader;
 use super::facet::Mapping;
 use super::hit_rows::EightHits;
-use super::light_texels::read_eight;
+use super::sample::sample_eight;
 use super::tile_rays::TileRays;
 use super::triplanar::Triplanar;
 use super::vectors::{Row, Vectors};
@@ -40,14 +40,21 @@ struct Sides {
 }
 
 impl Sides {
-    /// Between texture coordinates at the corners.
+    /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texturing::Texturing::sampled) has it.
     #[inline(always)]
-    fn set_uv<F: F32x8>(&mut self, corners: &[F; 18], weights: (&Row, &Row)) {
+    fn set_uv<F: F32x8>(&mut self, corners: &[F; 18], (u, v): (&Row, &Row)) {
         let mut all = [[0.0; LANES]; 6];
         for (all, corners) in all.iter_mut().zip(corners) {
             corners.store(all);
         }
-        self.uv[0] = uvs_between(|corner, lane| all[corner][lane], weights);
+        let [ax, ay, bx, by, cx, cy] = all;
+        for (coordinates, [a, b, c]) in self.uv[0].iter_mut().zip([[ax, bx, cx], [ay, by, cy]]) {
+            for lane in 0..LANES {
+                let [a, b, c] = [a[lane], b[lane], c[lane]].map(f64::from);
+                let (u, v) = (f64::from(u[lane]), f64::from(v[lane]));
+                coordinates[lane] = a + (b - a) * u + (c - a) * v;
+            }
+        }
         self.weights[0] = [1.0; LANES];
         self.count = 1;
     }
@@ -80,122 +87,7 @@ impl Sides {
     }
 }
 
-/// Texture coordinates at eight hits, as [`Texturing::sampled`](super::texturing::Texturing::sampled) has them; `corner`
-/// gives u and v at the first, second and third corner.
-#[inline(always)]
-fn uvs_between(corner: impl Fn(usize, usize) -> f32, (u, v): (&Row, &Row)) -> [[f64; LANES]; 2] {
-    let mut uvs = [[0.0; LANES]; 2];
-    for (axis, coordinates) in uvs.iter_mut().enumerate() {
-        for lane in 0..LANES {
-            let [a, b, c] = [axis, axis + 2, axis + 4].map(|at| f64::from(corner(at, lane)));
-            let (u, v) = (f64::from(u[lane]), f64::from(v[lane]));
-            coordinates[lane] = a + (b - a) * u + (c - a) * v;
-        }
-    }
-    uvs
-}
-
-/// Texture coordinates of eight samples in the one texture that they show.
-struct EightUvs<'a> {
-    texture: &'a Texture,
-    uv: [[f64; LANES]; 2],
-    /// Whether the texture is multiplied by the surfaces' own colours.
-    is_tinted: bool,
-}
-
-impl<'s> TileShader<'s> {
-    /// Where eight samples read their texture, if all of them show one by texture coordinates and in one way, or none: the
-    /// common cases. And the colours of their triangles.
-    #[inline(always)]
-    fn eight_uvs<L: Lanes>(
-        &mut self,
-        lanes: L,
-        hits: &EightHits<'_>,
-    ) -> Option<(Option<EightUvs<'s>>, Vectors<L>)> {
-        let shader = self.shader();
-        let weights = hits.weights.filter(|_| !shader.filter().has_footprint())?;
-        let mut found: Option<(&Texture, bool)> = None;
-        let mut corners = [lanes.splat(0.0); 6];
-        let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        let mut is_first = true;
-        let is_one = *hits.primitives == [hits.primitives[0]; LANES];
-        for run in runs(hits.primitives) {
-            let facet = self.facet(run.primitive, 0.0);
-            let from = lanes.mask_from(run.first);
-            colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
-            let of_this = match &facet.texture {
-                None => None,
-                Some(Mapping::Uv(uvs)) if facet.blends.is_none() => {
-                    let uvs = uvs.map(|uv| uv.to_array());
-                    let uvs = uvs.as_flattened();
-                    let (texture, is_tinted) = (shader.texture_on(facet)?, facet.is_tinted);
-                    if is_one {
-                        let uvs = EightUvs {
-                            texture,
-                            uv: uvs_between(|corner, _| uvs[corner], weights),
-                            is_tinted,
-                        };
-                        return Some((Some(uvs), colors));
-                    }
-                    for (corners, &one) in corners.iter_mut().zip(uvs) {
-                        *corners = from.select(lanes.splat(one), *corners);
-                    }
-                    Some((texture, is_tinted))
-                }
-                Some(_) => return None,
-            };
-            let is_same = match (found, of_this) {
-                (None, None) => true,
-                (Some(one), Some(other)) => std::ptr::eq(one.0, other.0) && one.1 == other.1,
-                _ => false,
-            };
-            if !is_first && !is_same {
-                return None;
-            }
-            is_first = false;
-            found = of_this;
-        }
-        let uvs = found.map(|(texture, is_tinted)| {
-            let mut all = [[0.0; LANES]; 6];
-            for (all, corners) in all.iter_mut().zip(corners) {
-                corners.store(all);
-            }
-            EightUvs {
-                texture,
-                uv: uvs_between(|corner, lane| all[corner][lane], weights),
-                is_tinted,
-            }
-        });
-        Some((uvs, colors))
-    }
-
-    /// The surfaces' own colours mixed with their textures, in linear light; `None` where samples show several textures, or
-    /// one in another way than by texture coordinates. `own` are the colours, unless they are the triangles'.
-    #[inline(always)]
-    pub(super) fn textured_by_uvs<L: Lanes>(
-        &mut self,
-        lanes: L,
-        hits: &EightHits<'_>,
-        own: Option<Vectors<L>>,
-    ) -> Option<Vectors<L>> {
-        let shader = self.shader();
-        let (uvs, colors) = self.eight_uvs(lanes, hits)?;
-        let own = own.unwrap_or(colors);
-        let Some(EightUvs {
-            texture,
-            uv,
-            is_tinted,
-        }) = uvs
-        else {
-            return Some(own);
-        };
-        let (texel, alpha) = read_eight(lanes, shader.tables, texture, &uv, shader.filter());
-        let texel = if is_tinted { texel.times(own) } else { texel };
-        let blend = lanes.splat(shader.blend());
-        let rest = lanes.splat(1.0) - alpha * blend;
-        Some(own.scaled(rest).plus(texel.scaled(blend)))
-    }
-
+impl TileShader<'_> {
     /// The surfaces' own colours mixed with their textures, in linear light.
     ///
     /// At once where all that have a texture have the same one and the same mapping, by texture coordinates or from three
@@ -266,7 +158,7 @@ impl<'s> TileShader<'s> {
         for side in 0..sides.count {
             let uv = &sides.uv[side];
             let (color, opacity) =
-                read_eight(lanes, shader.tables, found.texture, uv, shader.filter());
+                sample_eight(lanes, shader.tables, found.texture, uv, shader.filter());
             let weight = lanes.load(&sides.weights[side]);
             texel = texel.plus(color.scaled(weight));
             alpha = alpha + opacity * weight;

@@ -26,7 +26,6 @@ mod interpolant_tests;
 mod interpolants;
 mod legend;
 mod light;
-mod light_texels;
 mod line_overlay;
 #[cfg(test)]
 mod line_tests;

@@ -130,7 +130,7 @@ fn eight_neighbors(places: &[f64; LANES], size: u32) -> ([u32; LANES], [u32; LAN
 /// An integer from −2³¹ to 2³¹ − 1, negative ones wrapped around. The sum with 3 · 2⁵¹, in whose binade the unit in the
 /// last place is 1, has it in its low bits; a cast, which saturates, would be compiled lane by lane.
 #[inline(always)]
-pub(super) fn whole(integer: f64) -> u32 {
+fn whole(integer: f64) -> u32 {
     const SHIFT: f64 = (3u64 << 51) as f64;
     (integer + SHIFT).to_bits() as u32
 }
@@ -227,12 +227,14 @@ fn border(tables: &Tables, wrap: Wrap) -> [f32; 4] {
     [r, g, b, 1.0]
 }
 
-/// The fractional part of a coordinate, 0 to 1; that of one that is not finite is NaN, and 0 instead.
+/// The fractional part of a coordinate, 0 to 1.
 #[inline(always)]
 fn within(coordinate: f64) -> f64 {
-    // A test for finite numbers would be compiled lane by lane.
-    let fraction = coordinate - coordinate.floor();
-    if fraction <= 1.0 { fraction } else { 0.0 }
+    if coordinate.is_finite() {
+        coordinate - coordinate.floor()
+    } else {
+        0.0
+    }
 }
 
 /// The texels whose centres are at or before a position and after it, and the position's fraction between them.
@@ -249,12 +251,7 @@ fn texel(tables: &Tables, texture: &Texture, x: u32, y: u32) -> [f32; 4] {
     let x = if x < texture.width() { x } else { 0 };
     let y = if y < texture.height() { y } else { 0 };
     let index = y as usize * texture.width() as usize + x as usize;
-    decoded(tables, texture.texels()[index])
-}
-
-/// A texel in linear light with premultiplied alpha.
-#[inline(always)]
-pub(super) fn decoded(tables: &Tables, [r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    let [r, g, b, a] = texture.texels()[index];
     let color = [r, g, b].map(|byte| tables.decode(byte));
     if a == u8::MAX {
         return [color[0], color[1], color[2], 1.0];
@@ -267,6 +264,8 @@ pub(super) fn decoded(tables: &Tables, [r, g, b, a]: [u8; 4]) -> [f32; 4] {
 mod tests {
     use super::super::srgb::tables;
     use super::*;
+    use crate::num::simd::{F32x8, Simd, Work, dispatch};
+    use crate::random::Random;
 
     /// 4 × 2 opaque texels, all different.
     fn texture() -> Texture {
@@ -360,6 +359,80 @@ mod tests {
 
     /// Opaque linear light of a border.
     const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
+
+    struct SampleEight<'a> {
+        texture: &'a Texture,
+        uv: &'a [[f64; LANES]; 2],
+        filter: Filter,
+        found: &'a mut [Row; 4],
+    }
+
+    impl Work for SampleEight<'_> {
+        #[inline(always)]
+        fn run(self, lanes: impl Lanes) {
+            let (color, alpha) = sample_eight(lanes, tables(), self.texture, self.uv, self.filter);
+            let [r, g, b, a] = self.found;
+            [*r, *g, *b] = color.store().0;
+            alpha.store(a);
+        }
+    }
+
+    /// On each side of texels' centres and borders and of the image's seams, and far away.
+    #[test]
+    fn eight_samples_have_the_bits_of_single_ones() {
+        let mut random = Random(5);
+        let texel = |i: u32| {
+            [
+                (i * 37) as u8,
+                (i * 91) as u8,
+                (i * 11) as u8,
+                (i * 59) as u8,
+            ]
+        };
+        for (width, height) in [(1, 1), (2, 1), (5, 3), (64, 1), (127, 33)] {
+            let texels = (0..width * height).map(texel).collect();
+            let texture = Texture::new(width, height, texels).expect("a good texture");
+            let clamped = texture.clone().wrapped([Wrap::Clamp, Wrap::Mirror]);
+            for texture in [&texture, &clamped] {
+                for round in 0..200 {
+                    let mut coordinate = |size: u32| {
+                        let near = (random.signed() * 40.0).round() / f64::from(size * 2);
+                        match round % 4 {
+                            0 => near,
+                            1 => near.next_up(),
+                            2 => near.next_down(),
+                            _ => random.signed() * crate::math::pow(10.0, random.signed() * 20.0),
+                        }
+                    };
+                    let mut uv = [[0.0; LANES]; 2];
+                    uv[0] = uv[0].map(|_| coordinate(width));
+                    uv[1] = uv[1].map(|_| coordinate(height));
+                    if round == 0 {
+                        uv[0] = [-0.0, f64::NAN, f64::INFINITY, -1e-30, 1e300, 0.5, 1.0, -1.0];
+                        uv[1] = [f64::NEG_INFINITY, -1e-30, 0.0, -0.0, 1.0, 1e-300, 0.5, 2.0];
+                    }
+                    for filter in [Filter::Nearest, Filter::Bilinear] {
+                        for simd in [Simd::Plain, Simd::Avx2] {
+                            let mut found = [[0.0; LANES]; 4];
+                            let work = SampleEight {
+                                texture,
+                                uv: &uv,
+                                filter,
+                                found: &mut found,
+                            };
+                            dispatch(simd, work);
+                            for lane in 0..LANES {
+                                let (u, v) = (uv[0][lane], uv[1][lane]);
+                                let expected = sample(tables(), texture, u, v, filter);
+                                let found = found.map(|row| row[lane]);
+                                assert_eq!(found, expected, "{width} {height} {u} {v} {filter:?}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn each_wrap_shows_its_texels_beyond_the_image() {

@@ -10,7 +10,6 @@ use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::math;
 use raycast_core::picture::Format;
 use raycast_core::render::{Settings, TileStats, View};
-use raycast_core::shade::Filter;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,16 +70,15 @@ impl OpenedScene {
             ..
         } = file;
         let name = setup::name_of(&args.files);
-        let copies = match settings.shading.filter {
-            Filter::Nearest => 0,
-            Filter::Bilinear => scene.light_bytes(),
-            Filter::Trilinear | Filter::Ewa => scene.level_bytes(),
+        let levels = match settings.shading.filter.has_footprint() {
+            true => scene.level_bytes(),
+            false => 0,
         };
         let normals = match settings.shading.is_creased() {
             true => scene.crease_bytes(),
             false => 0,
         };
-        memory::check_scene(&name, setup::stored_triangles(&scene), copies + normals)?;
+        memory::check_scene(&name, setup::stored_triangles(&scene), levels + normals)?;
         let accel = pool.install(|| setup::visible_tree(&name, &scene))?;
         let build_time = building.elapsed();
         let bounds = setup::bounds(&scene, &accel);

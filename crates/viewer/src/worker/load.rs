@@ -208,10 +208,10 @@ impl Load<'_> {
         scene.objects.iter().for_each(|object| {
             object.mesh.bounds();
         });
-        // Each filter can be chosen at any time.
+        // Filters that need mip levels can be chosen at any time.
         let triangles = Accel::stored_triangles(&scene);
-        let copies = scene.level_bytes() + scene.light_bytes();
-        memory::check_scene(&called, triangles, copies).map_err(|error| error.to_string())?;
+        memory::check_scene(&called, triangles, scene.level_bytes())
+            .map_err(|error| error.to_string())?;
         let has_hidden = scene.objects.iter().any(|object| !object.visible);
         let accel =
             setup::tree_to_edit(&scene).and_then(|accel| match has_hidden || !accel.is_empty() {
