@@ -214,7 +214,7 @@ fn a_gifs_frames_are_those_of_their_own_files() {
     let line = refuse(2, rate("51"));
     assert!(line.contains("at most 50 frames a second"), "{line}");
     assert!(!at("rate.gif").exists());
-    assert!(succeed(&rate("30")).errors.contains("3 and 4 by turns"));
+    assert!(succeed(rate("30")).errors.contains("3 and 4 by turns"));
 }
 
 #[cfg(unix)]
