@@ -49,6 +49,11 @@ fn tree<'a>(text: &'a str, prefix: &mut Vec<String>, found: &mut Vec<Vec<String>
     }
     let end = text.find(|c| !is_part(c)).unwrap_or(text.len());
     let (name, rest) = text.split_at(end);
+    if name.is_empty() {
+        // `a::*` uses `a`.
+        found.push(prefix.clone());
+        return rest.strip_prefix('*').unwrap_or(rest);
+    }
     prefix.push(name.to_owned());
     let rest = match rest.strip_prefix("::") {
         Some(behind) => tree(behind, prefix, found),
@@ -247,7 +252,7 @@ fn the_files_of_a_room_use_one_another_in_one_direction() {
 #[test]
 fn what_a_file_uses_is_read_from_its_paths() {
     let source = "use crate::scene::Mesh;\n// crate::formats\nfn f() { crate::num::g(); mycrate::x(); }\n\
-        use crate::{Hit, ray::{self, Ray as R},\n bvh};\nuse super::super::a::B;\n\
+        use crate::{Hit, ray::{self, Ray as R},\n bvh};\nuse super::super::a::B;\nuse crate::shade::*;\n\
         #[cfg(test)]\nmod tests { use crate::render::View; }\n";
     let module = ["packet", "cast", "eyes"].map(str::to_owned);
     let paths = paths(source);
@@ -264,6 +269,7 @@ fn what_a_file_uses_is_read_from_its_paths() {
         "ray",
         "ray::Ray",
         "scene::Mesh",
+        "shade",
     ];
     assert_eq!(names, expected);
 }
