@@ -15,18 +15,18 @@ pub(super) struct World<'s> {
     pub(super) origin: DVec3,
     /// The number of each object's first triangle, and the number after the last.
     pub(super) first_numbers: Vec<u32>,
-    pub(super) objects: Vec<Placed<'s>>,
+    pub(super) objects: Vec<PlacedObject<'s>>,
 }
 
 /// A mesh with its placement.
-pub(super) struct Placed<'s> {
+pub(super) struct PlacedObject<'s> {
     pub(super) mesh: &'s Mesh,
     pub(super) visible: bool,
     /// `None` where the mesh's positions are relative to the world's origin as they are.
     pub(super) placement: Option<Placement>,
 }
 
-impl<'s> Placed<'s> {
+impl<'s> PlacedObject<'s> {
     fn new(mesh: &'s Mesh, visible: bool, world_from_object: DAffine3, origin: DVec3) -> Self {
         let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
         let placement = Placement::new(world_from_object, mesh.offset(), origin);
@@ -65,7 +65,7 @@ impl<'s> World<'s> {
     ) -> Result<Self, SceneError> {
         let objects = scene.objects.iter().zip(transforms);
         let place = |(object, &world_from_object): (&'s Object, _)| {
-            Placed::new(&object.mesh, object.visible, world_from_object, origin)
+            PlacedObject::new(&object.mesh, object.visible, world_from_object, origin)
         };
         Ok(Self {
             origin,
@@ -79,7 +79,7 @@ impl<'s> World<'s> {
         Self {
             origin: DVec3::ZERO,
             first_numbers: vec![0, mesh.triangles().len() as u32],
-            objects: vec![Placed {
+            objects: vec![PlacedObject {
                 mesh,
                 visible: true,
                 placement,
@@ -89,7 +89,7 @@ impl<'s> World<'s> {
 
     /// The same world with those objects hidden whose mesh has a known tree.
     pub(super) fn without_known_trees(&self) -> Self {
-        let objects = self.objects.iter().map(|object| Placed {
+        let objects = self.objects.iter().map(|object| PlacedObject {
             visible: object.visible && object.mesh.tree().is_none(),
             ..*object
         });
@@ -124,7 +124,7 @@ impl<'s> World<'s> {
     }
 
     fn corners(&self, object: usize, triangle: u32) -> [Vec3; 3] {
-        let Placed {
+        let PlacedObject {
             mesh, placement, ..
         } = &self.objects[object];
         let corners = mesh.corners(triangle).unwrap_or([Vec3::NAN; 3]);

@@ -95,7 +95,7 @@ impl MeshTree {
 
 /// A mesh's tree with its placement.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedTree {
     pub(super) tree: Arc<MeshTree>,
     /// `None` where the tree's corners are in the scene's space already.
     pub(super) placement: Option<(Placement, BoxPlacement)>,
@@ -103,7 +103,7 @@ pub(super) struct Placed {
     pub(super) bounds: Box32,
 }
 
-impl Placed {
+impl PlacedTree {
     /// Places a tree. `None` where a corner may be out of the range in which rays can hit it.
     pub(super) fn new(tree: Arc<MeshTree>, placement: Option<Placement>) -> Option<Self> {
         let around = tree.tree.bounds;
@@ -199,7 +199,7 @@ pub(super) struct Instance {
     pub(super) first_number: u32,
     /// Its first index.
     pub(super) first: u32,
-    pub(super) placed: Placed,
+    pub(super) placed: PlacedTree,
 }
 
 /// All instances and the top-level tree over them.
@@ -308,7 +308,7 @@ impl Instances {
             let Some((instance, _)) = self.of(primitives[lane]) else {
                 continue;
             };
-            let Placed {
+            let PlacedTree {
                 tree, placement, ..
             } = &instance.placed;
             let count = tree.triangles.len() as u32;

@@ -1,6 +1,6 @@
 //! Building without clustering, over meshes whose tree topology is known.
 
-use super::flatten::{Placed, World, in_range};
+use super::flatten::{PlacedObject, World, in_range};
 use super::instances::{Instances, Opened};
 use super::layout::{Place, inner, join};
 use super::placement::{BoxPlacement, Placement};
@@ -29,7 +29,7 @@ pub(super) fn build(
     depth_limit: usize,
     build: impl Fn(World<'_>, usize) -> Accel,
 ) -> Option<Accel> {
-    let is_seen = |object: &&Placed<'_>| object.visible && !object.mesh.kept().is_empty();
+    let is_seen = |object: &&PlacedObject<'_>| object.visible && !object.mesh.kept().is_empty();
     let seen = || world.objects.iter().filter(is_seen);
     if !seen().any(|object| object.mesh.tree().is_some()) {
         return None;
@@ -79,7 +79,7 @@ struct Part<'p> {
 
 impl<'p> Part<'p> {
     /// The part of an object; `None` where its mesh's topology is unknown.
-    fn known(object: &Placed<'p>, first_number: u32) -> Option<Self> {
+    fn known(object: &PlacedObject<'p>, first_number: u32) -> Option<Self> {
         let mesh = object.mesh;
         let (bounds, offset) = (mesh.bounds(), mesh.offset());
         let own = Box32 {

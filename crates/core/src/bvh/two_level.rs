@@ -3,7 +3,7 @@
 
 use super::build::build_world;
 use super::flatten::{World, common_origin};
-use super::instances::{Instance, Instances, MeshTree, Opened, Placed, pages_after};
+use super::instances::{Instance, Instances, MeshTree, Opened, PlacedTree, pages_after};
 use super::top_level::{Root, TOP_DEPTH, area, top_level};
 use super::tree::{Box32, DEPTH_LIMIT, Subtree, TRIANGLE_LIMIT, Tree};
 use super::{Accel, Triangle};
@@ -57,7 +57,7 @@ pub(crate) struct Known {
     meshes: HashMap<usize, Weak<Mesh>>,
     /// Trees in the mesh's own space.
     trees: HashMap<usize, Arc<MeshTree>>,
-    placed: HashMap<Key, Placed>,
+    placed: HashMap<Key, PlacedTree>,
     /// For each mesh with one, a tree of all its triangles whose corners are placed.
     trees_in_place: HashMap<usize, Arc<MeshTree>>,
 }
@@ -66,10 +66,10 @@ impl Known {
     fn new(
         meshes: HashMap<usize, Weak<Mesh>>,
         trees: HashMap<usize, Arc<MeshTree>>,
-        placed: HashMap<Key, Placed>,
+        placed: HashMap<Key, PlacedTree>,
     ) -> Self {
         let is_whole =
-            |placed: &Placed| placed.placement.is_none() && !placed.tree.is_for_one_place;
+            |placed: &PlacedTree| placed.placement.is_none() && !placed.tree.is_for_one_place;
         let whole = placed.iter().filter(|(_, placed)| is_whole(placed));
         let trees_in_place = whole.map(|(key, placed)| (key.0, Arc::clone(&placed.tree)));
         Self {
@@ -81,7 +81,7 @@ impl Known {
     }
 
     /// The known placed meshes among `keys`; and for each other key, the number of an object that has it.
-    fn placed_and_missing(&self, keys: &[Key]) -> (HashMap<Key, Placed>, HashMap<Key, usize>) {
+    fn placed_and_missing(&self, keys: &[Key]) -> (HashMap<Key, PlacedTree>, HashMap<Key, usize>) {
         let mut placed = HashMap::with_capacity(keys.len());
         let mut missing = HashMap::new();
         for (number, key) in keys.iter().enumerate() {
@@ -98,9 +98,9 @@ impl Known {
         &self,
         meshes: &HashMap<usize, Weak<Mesh>>,
         trees: &HashMap<usize, Arc<MeshTree>>,
-        placed: &mut HashMap<Key, Placed>,
+        placed: &mut HashMap<Key, PlacedTree>,
     ) {
-        let is_only = |key: &Key, known: &Placed| {
+        let is_only = |key: &Key, known: &PlacedTree| {
             known.placement.is_none() && meshes.contains_key(&key.0) && !trees.contains_key(&key.0)
         };
         for (key, known) in self
@@ -262,7 +262,7 @@ impl Placer<'_> {
     fn place_all(
         &self,
         missing: HashMap<Key, usize>,
-        placed: &mut HashMap<Key, Placed>,
+        placed: &mut HashMap<Key, PlacedTree>,
     ) -> Option<()> {
         let place = |(key, number): (Key, usize)| Some((key, self.place(key, number)?));
         if self.quick {
@@ -277,16 +277,16 @@ impl Placer<'_> {
 
     /// The tree of a key's mesh, placed as the object of this number is. With `quick`, `None` where it would take
     /// long.
-    fn place(&self, key: Key, number: usize) -> Option<Placed> {
+    fn place(&self, key: Key, number: usize) -> Option<PlacedTree> {
         let object = &self.world.objects[number];
         let tree = self.trees.get(&key.0)?;
-        let in_place = Placed::new(Arc::clone(tree), object.placement).or_else(|| {
+        let in_place = PlacedTree::new(Arc::clone(tree), object.placement).or_else(|| {
             if self.quick && tree.triangles.len() > QUICK_TRIANGLES {
                 return None;
             }
             // Some triangles may be out of range: builds a tree over the others.
             let tree = mesh_tree(World::alone(object.mesh, object.placement), true);
-            Placed::new(tree, None)
+            PlacedTree::new(tree, None)
         })?;
         Some(if self.places_corners(key.0) {
             in_place.with_tree_in_place()
@@ -308,7 +308,7 @@ impl Placer<'_> {
 /// Removes trees of meshes with one object where that object has a placed tree of its own.
 fn drop_doubles(
     trees: &mut HashMap<usize, Arc<MeshTree>>,
-    placed: &HashMap<Key, Placed>,
+    placed: &HashMap<Key, PlacedTree>,
     uses: &HashMap<usize, usize>,
 ) {
     let only = placed
@@ -340,7 +340,7 @@ fn living_meshes(scene: &Scene, known: &Known) -> HashMap<usize, Weak<Mesh>> {
 /// fewer, since it has no pages.
 fn instances(
     keys: &[Key],
-    placed: &HashMap<Key, Placed>,
+    placed: &HashMap<Key, PlacedTree>,
     world: &World<'_>,
     most_roots: usize,
 ) -> Option<(Vec<Instance>, u32)> {

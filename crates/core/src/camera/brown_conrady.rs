@@ -6,10 +6,7 @@ use std::str::FromStr;
 /// Newton steps. Each doubles the number of correct digits, from a start that is off by the distortion itself; five
 /// or six suffice for calibrated lenses. Where the distortion folds back, a step halves the error at worst; fewer
 /// steps than 12 would lose such directions, more would only repeat roundings.
-const STEPS: usize = 12;
-
-/// Newton steps from near a direction: three more than a start that is off by a millionth needs.
-const NEAR_STEPS: usize = 4;
+pub(super) const STEPS: usize = 12;
 
 /// The largest last step, relative to the place or to one, of an iteration that converged: with a thousand pixels a
 /// radian, a millionth of a pixel. Iterations that do not converge end far from that.
@@ -35,7 +32,7 @@ pub struct BrownConrady {
     coefficients: [f64; 5],
     /// The squared radius at which the distorted radius stops rising.
     end: f64,
-    well_behaved: WellBehaved,
+    pub(super) well_behaved: WellBehaved,
 }
 
 /// Why there is no such lens.
@@ -144,44 +141,6 @@ impl BrownConrady {
         has
     }
 
-    /// The directions (x, y, 1) that are seen at well-behaved places, by Newton's method from near them: off by less than
-    /// 720ε, ε = 2⁻⁵³, as are those of [`BrownConrady::undistort`]. `None` where they are not near enough.
-    #[inline(always)]
-    pub(crate) fn undistort_from<const N: usize>(
-        &self,
-        [to_x, to_y]: [&[f64; N]; 2],
-        [mut x, mut y]: [[f64; N]; 2],
-    ) -> Option<[[f64; N]; 2]> {
-        let WellBehaved { reach, settled, .. } = self.well_behaved;
-        for _ in 0..NEAR_STEPS {
-            let (mut furthest, mut longest) = ([0.0; N], [0.0; N]);
-            for lane in 0..N {
-                let at = self.at(x[lane], y[lane]);
-                let (off_x, off_y) = (at.x - to_x[lane], at.y - to_y[lane]);
-                let inverse = 1.0 / at.determinant();
-                let by_x = (at.yy * off_x - at.xy * off_y) * inverse;
-                let by_y = (at.xx * off_y - at.xy * off_x) * inverse;
-                furthest[lane] = x[lane] * x[lane] + y[lane] * y[lane];
-                longest[lane] = by_x * by_x + by_y * by_y;
-                x[lane] -= by_x;
-                y[lane] -= by_y;
-            }
-            let (mut is_near, mut has_settled) = (true, true);
-            for lane in 0..N {
-                // NaN is neither.
-                is_near &= furthest[lane] <= reach * reach;
-                has_settled &= longest[lane] <= settled * settled;
-            }
-            if !is_near {
-                return None;
-            }
-            if has_settled {
-                return Some([x, y]);
-            }
-        }
-        None
-    }
-
     /// Whether the picture has the place `a` to the right of and `b` above its middle.
     pub(super) fn has_place(&self, a: f64, b: f64) -> bool {
         self.is_well_behaved(a, b) || self.direction(a, b).is_some()
@@ -199,37 +158,9 @@ impl BrownConrady {
         a * a + b * b <= self.well_behaved.radius * self.well_behaved.radius
     }
 
-    /// The least and the greatest tangents, to the right and up, of the rays through a rectangle of places; `None`
-    /// unless all of it is well-behaved.
-    ///
-    /// With g the inverse of the distortion, J its derivative at the rectangle's middle and h from there to a place,
-    /// g differs from g(middle) + J h by at most ½ max ‖D²g‖ |h|².
-    pub(super) fn window(
-        &self,
-        (left, right): (f64, f64),
-        (low, high): (f64, f64),
-    ) -> Option<[(f64, f64); 2]> {
-        let furthest = [left.abs().max(right.abs()), low.abs().max(high.abs())];
-        if !self.is_well_behaved(furthest[0], furthest[1]) {
-            return None;
-        }
-        let (across, along) = ((right - left) * 0.5, (high - low) * 0.5);
-        let (a, b) = (left + across, low + along);
-        let middle = self.direction(a, b)?;
-        let [by_a, by_b] = self.derivatives(a, b);
-        let bend = self.well_behaved.bend * (across * across + along * along);
-        let reach = |by_a: f64, by_b: f64| {
-            let reach = by_a.abs() * across + by_b.abs() * along + bend;
-            // Far more than the rounding of directions and derivatives.
-            reach * (1.0 + 1e-9) + 1e-9
-        };
-        let (x, y) = (reach(by_a.x, by_b.x), reach(by_a.y, by_b.y));
-        Some([(middle.x - x, middle.x + x), (middle.y - y, middle.y + y)])
-    }
-
     /// The place where (x, y) is seen, and its derivatives.
     #[inline(always)]
-    fn at(&self, x: f64, y: f64) -> Seen {
+    pub(super) fn at(&self, x: f64, y: f64) -> Seen {
         let [k1, k2, p1, p2, k3] = self.coefficients;
         let squared = x * x + y * y;
         let radial = 1.0 + squared * (k1 + squared * (k2 + squared * k3));
@@ -275,17 +206,17 @@ impl BrownConrady {
 }
 
 /// The place at which a point is seen, and its derivatives, a symmetric matrix.
-struct Seen {
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
+pub(super) struct Seen {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) xx: f64,
+    pub(super) xy: f64,
+    pub(super) yy: f64,
 }
 
 impl Seen {
     #[inline(always)]
-    fn determinant(&self) -> f64 {
+    pub(super) fn determinant(&self) -> f64 {
         self.xx * self.yy - self.xy * self.xy
     }
 }
@@ -322,15 +253,15 @@ fn are_same<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
 /// added to it by 0.3·r: with r ≤ 2 each coordinate of f is rounded by less than 31ε, both by less than 45ε, and a step's
 /// end by that over 1 − e and by ε of itself: 460ε, and with the 64ε less than 720ε.
 #[derive(Clone, Copy, Debug)]
-struct WellBehaved {
+pub(super) struct WellBehaved {
     /// R, the greatest such radius, or slightly less.
-    radius: f64,
+    pub(super) radius: f64,
     /// ½ max ‖D²g‖ within the radius.
-    bend: f64,
+    pub(super) bend: f64,
     /// R + 2η.
-    reach: f64,
+    pub(super) reach: f64,
     /// The longest step behind which the direction is known.
-    settled: f64,
+    pub(super) settled: f64,
 }
 
 /// The greatest e in use: far enough below one to cover the rounding of all that is computed here.

@@ -206,9 +206,14 @@ fn a_lens_is_well_behaved_where_it_is_said_to_be() {
             let half = random.point().abs() * (0.2 * radius * random.unit());
             let across = (middle.x - half.x, middle.x + half.x);
             let along = (middle.y - half.y, middle.y + half.y);
-            let Some([xs, ys]) = lens.window(across, along) else {
+            let furthest = [across.0.abs().max(across.1), along.0.abs().max(along.1)];
+            if !lens.is_well_behaved(furthest[0], furthest[1]) {
                 continue;
-            };
+            }
+            let region = lens.region(across, along).expect("well-behaved");
+            let [xs, ys] = lens
+                .window(&region, across, along)
+                .expect("it has a middle");
             for _ in 0..20 {
                 let (a, b) = (
                     middle.x + half.x * random.signed(),

@@ -7,7 +7,7 @@
 )]
 
 use super::panorama::{CROSS, Face, STRIP};
-use super::{Lattice, Panorama, Rect};
+use super::{Lattice, LensRegion, Panorama, Rect};
 use crate::math;
 use crate::num::simd::LANES;
 use glam::DVec3;
@@ -147,14 +147,25 @@ impl PanoramaRays {
         matches!(self.panorama, Panorama::Lens(_))
     }
 
+    /// What is known of a rectangle's rays through a lens. `None` if there is no lens, or where only the rays themselves
+    /// tell.
+    pub(crate) fn lens_region(&self, rect: Rect) -> Option<LensRegion> {
+        let Panorama::Lens(lens) = self.panorama else {
+            return None;
+        };
+        let (across, (top, bottom)) = self.ends(rect)?;
+        lens.region(across, (bottom, top))
+    }
+
     /// Bounds, to the right and up, of the points in which the rays of a rectangle cross the image plane at unit
-    /// distance. `None` if there is no lens, or if it is not well-behaved there.
+    /// distance. `None` without a [`LensRegion`].
     pub(crate) fn window(&self, rect: Rect) -> Option<[(f64, f64); 2]> {
         let Panorama::Lens(lens) = self.panorama else {
             return None;
         };
         let (across, (top, bottom)) = self.ends(rect)?;
-        lens.window(across, (bottom, top))
+        let region = lens.region(across, (bottom, top))?;
+        lens.window(&region, across, (bottom, top))
     }
 
     /// The cube face of a ray.
@@ -302,12 +313,13 @@ impl PanoramaRays {
         }
     }
 
-    /// Directions of eight rays of a row through a lens, iterated from start values (x, y) nearby. As
+    /// Directions of eight rays of a region's row through a lens, iterated from start values (x, y) nearby. As
     /// [`PanoramaRays::nearly_eight`], but with an error of up to 1440ε. `None` if a start value is not near
     /// enough, or without a lens.
     #[inline(always)]
     pub(crate) fn eight_through_lens(
         &self,
+        region: &LensRegion,
         column: u32,
         row: u32,
         [x, y]: [[f64; LANES]; 2],
@@ -316,7 +328,7 @@ impl PanoramaRays {
             return None;
         };
         let (a, b) = self.places(column, row);
-        let [x, down] = lens.undistort_from([&a, &[-b; LANES]], [x, negated(&y)])?;
+        let [x, down] = lens.undistort_from(region, [&a, &[-b; LANES]], [x, negated(&y)])?;
         Some([x, negated(&down)])
     }
 
@@ -516,7 +528,14 @@ mod tests {
                     let nearly_has = rays.nearly_eight(first, row, &mut near);
                     // Start values nearby; of a lens, only where it is well-behaved.
                     let start = [0, 1].map(|axis| near[axis].map(|at| at + 1e-5 * random.signed()));
-                    let from_there = rays.eight_through_lens(first, row, start);
+                    let rect = Rect {
+                        x: first,
+                        y: row,
+                        width: LANES as u32,
+                        height: 1,
+                    };
+                    let from_there = (rays.lens_region(rect))
+                        .and_then(|region| rays.eight_through_lens(&region, first, row, start));
                     for lane in 0..LANES {
                         let column = first + lane as u32;
                         if column >= lattice.columns {
@@ -535,13 +554,7 @@ mod tests {
                         let bound = 160.0 * f64::EPSILON * expected.length();
                         assert!(off <= bound, "{panorama:?} {a} {b}: {off:e}");
                         count += 1;
-                        let rect = Rect {
-                            x: first,
-                            y: row,
-                            width: LANES as u32,
-                            height: 1,
-                        };
-                        if let Some([x, y]) = from_there.filter(|_| rays.window(rect).is_some()) {
+                        if let Some([x, y]) = from_there {
                             let off = DVec3::new(x[lane], y[lane], 1.0).distance(expected);
                             let bound = 720.0 * f64::EPSILON;
                             assert!(off <= bound, "{panorama:?} {a} {b}: {off:e}");

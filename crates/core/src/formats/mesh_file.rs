@@ -4,7 +4,7 @@ use super::kind::{MeshKind, mesh_kind};
 use super::length_unit::LengthUnit;
 use super::limits::Budget;
 use super::parsed::Parsed;
-use super::placed::Placed;
+use super::placed_meshes::PlacedMeshes;
 use super::scene_file::FileKind;
 use super::unpack::{inner_name, unpack};
 use super::{Progress, gltf, obj, off, ply, prepared, stl, threemf, triangle_text};
@@ -215,7 +215,7 @@ pub(super) fn read_prepared(
 fn store_all(
     path: &Path,
     kind: FileKind,
-    placed: Placed,
+    placed: PlacedMeshes,
     unpacked_from: Option<String>,
     budget: &Budget,
     progress: Progress<'_>,

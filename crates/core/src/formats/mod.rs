@@ -17,7 +17,7 @@ mod mesh_file;
 mod obj;
 mod off;
 mod parsed;
-mod placed;
+mod placed_meshes;
 mod ply;
 mod polygon;
 mod prepared;

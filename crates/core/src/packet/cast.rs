@@ -142,13 +142,13 @@ pub(super) struct Find<'a> {
 
 impl Find<'_> {
     /// Casts a rectangle's rays, which lie on a plane: the lattice's own, or that of a cube's face.
-    fn find_on(&mut self, part: RayRect, face: Option<Camera>) {
+    fn find_on(&mut self, rect: RayRect, face: Option<Camera>) {
         let simd = self.accel.simd;
         let find = self;
         if find.accel.has_instances() {
-            dispatch(simd, FindOnPlane::<true> { find, part, face });
+            dispatch(simd, FindOnPlane::<true> { find, rect, face });
         } else {
-            dispatch(simd, FindOnPlane::<false> { find, part, face });
+            dispatch(simd, FindOnPlane::<false> { find, rect, face });
         }
     }
 }
@@ -156,7 +156,7 @@ impl Find<'_> {
 /// [`Find`] for a rectangle of rays that lie on a plane.
 struct FindOnPlane<'f, 'a, const INSTANCES: bool> {
     find: &'f mut Find<'a>,
-    part: RayRect,
+    rect: RayRect,
     /// The camera of a cube's face, whose rays differ from the lattice's by rounding; `None` where the lattice's own
     /// camera has a plane.
     face: Option<Camera>,
@@ -165,20 +165,16 @@ struct FindOnPlane<'f, 'a, const INSTANCES: bool> {
 impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
-        let Self {
-            find,
-            part: whole,
-            face,
-        } = self;
+        let Self { find, rect, face } = self;
         let plane = Lattice {
             camera: face.unwrap_or(find.lattice.camera),
             ..*find.lattice
         };
         let mut traversal =
             Traversal::<INSTANCES>::new(find.accel, find.clip, &plane, find.precision);
-        traversal.is_beside = face.is_some();
+        traversal.has_ray_error = face.is_some();
         let mut zbuffer = IntervalZBuffer::new();
-        for large in whole.split(LARGE_SIDE) {
+        for large in rect.split(LARGE_SIDE) {
             traversal.find_entry_points(lanes, &large);
             if traversal.entry_points.is_empty() {
                 continue;
@@ -190,9 +186,9 @@ impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
                 find.cast_each(&large);
                 continue;
             }
-            for part in large.split(SIDE as u32) {
-                if traversal.cast(lanes, &part, find.cull, &mut zbuffer, &mut ()) {
-                    find.keep(&part, &mut zbuffer);
+            for packet in large.split(SIDE as u32) {
+                if traversal.cast(lanes, &packet, find.cull, &mut zbuffer, &mut ()) {
+                    find.keep(&packet, &mut zbuffer);
                 }
             }
         }
@@ -204,11 +200,11 @@ impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
 impl Find<'_> {
     /// Stores what a packet found, and casts its undecided rays.
     #[inline(always)]
-    pub(super) fn keep(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer) {
-        let columns = part.columns as usize;
+    pub(super) fn keep(&mut self, packet: &RayRect, zbuffer: &mut IntervalZBuffer) {
+        let columns = packet.columns as usize;
         let mut undecided = 0;
-        for row in 0..part.rows {
-            let first = ((part.row + row) * self.lattice.columns + part.column) as usize;
+        for row in 0..packet.rows {
+            let first = ((packet.row + row) * self.lattice.columns + packet.column) as usize;
             let stored = &zbuffer.row(row)[..columns];
             let (mut count, mut any_undecided) = (0, false);
             let kept = &mut self.primitives[first..first + columns];
@@ -221,21 +217,21 @@ impl Find<'_> {
             undecided |= u32::from(any_undecided) << (row % SIDE as u32);
         }
         if undecided != 0 {
-            self.decide(part, zbuffer, undecided);
+            self.decide(packet, zbuffer, undecided);
         }
     }
 
     /// Casts the undecided rays of a packet; `rows` (as bits) are those that have any.
     #[inline(never)]
-    fn decide(&mut self, part: &RayRect, zbuffer: &mut IntervalZBuffer, rows: u32) {
+    fn decide(&mut self, packet: &RayRect, zbuffer: &mut IntervalZBuffer, rows: u32) {
         zbuffer.sort_rivals();
-        for row in (0..part.rows).filter(|row| rows >> row & 1 != 0) {
-            for column in 0..part.columns {
+        for row in (0..packet.rows).filter(|row| rows >> row & 1 != 0) {
+            for column in 0..packet.columns {
                 if !IntervalZBuffer::is_undecided(zbuffer.row(row)[column as usize]) {
                     continue;
                 }
                 let rivals = zbuffer.rivals(row, column);
-                let (column, row) = (part.column + column, part.row + row);
+                let (column, row) = (packet.column + column, packet.row + row);
                 let primitive = self.cast_one(column, row, rivals);
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
                 // The ray was counted as a hit.
@@ -274,9 +270,9 @@ impl Find<'_> {
 
     /// Casts the rays of a rectangle one by one.
     #[inline(never)]
-    fn cast_each(&mut self, part: &RayRect) {
-        for row in part.row..part.row + part.rows {
-            for column in part.column..part.column + part.columns {
+    fn cast_each(&mut self, rect: &RayRect) {
+        for row in rect.row..rect.row + rect.rows {
+            for column in rect.column..rect.column + rect.columns {
                 let primitive = self.cast_one(column, row, None);
                 self.counts.hits += u64::from(primitive != MISS);
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;

@@ -209,6 +209,17 @@ impl IntervalZBuffer {
         ))
     }
 
+    /// As [`Self::rays`], for a row of a cell, the first ray of which is `first`.
+    #[inline(always)]
+    fn rays_of_row(&mut self, first: usize) -> (&mut [f32; ROW], &mut [f32; ROW], &mut [u32; ROW]) {
+        let row = first / ROW % (RAYS / ROW);
+        (
+            &mut self.low.as_chunks_mut().0[row],
+            &mut self.high.as_chunks_mut().0[row],
+            &mut self.primitives.as_chunks_mut().0[row],
+        )
+    }
+
     /// Recomputes hi-z of the dirty cells.
     #[inline(always)]
     pub(crate) fn update_hi_z(&mut self, lanes: impl Lanes) {

@@ -37,8 +37,9 @@ mod bounds;
 
 use super::frustum::Window;
 use super::params::{CELLS, ROW, SIDE};
+use super::place_box::PlaceBox;
 use super::setup::PacketSpace;
-use crate::camera::{Camera, FLATTEST, ImagePlane, PanoramaRays, Rect};
+use crate::camera::{Camera, FLATTEST, ImagePlane, LensRegion, PanoramaRays, Rect};
 use crate::hit::Cull;
 use crate::num::simd::{LANES, Lanes};
 pub(super) use bounds::first_of;
@@ -100,6 +101,8 @@ pub(super) struct Places {
     /// Bounds of eight cells each.
     cells: [PlaceBoxes; ALL_CELLS / LANES],
     centres: [CellCentres; ALL_CELLS / LANES],
+    /// Bounds of all places.
+    pub(super) around: PlaceBox,
     /// For each row of the packet, the columns that have a ray, as bits.
     pub(super) has_ray: [u32; SIDE],
     pub(super) columns: u32,
@@ -129,6 +132,7 @@ impl Places {
             rows: [PlaceBoxes::NONE; ALL_CELLS],
             cells: [PlaceBoxes::NONE; ALL_CELLS / LANES],
             centres: [centres; ALL_CELLS / LANES],
+            around: PlaceBox::EMPTY,
             has_ray: [0; SIDE],
             columns: 0,
             rows_of_rays: 0,
@@ -148,11 +152,11 @@ impl Places {
         &mut self,
         lanes: impl Lanes,
         (camera, rays): (&Camera, &PanoramaRays),
-        part: Rect,
+        packet: Rect,
     ) -> Fit {
-        self.columns = part.width;
-        self.rows_of_rays = part.height;
-        if !self.find_directions(rays, part) {
+        self.columns = packet.width;
+        self.rows_of_rays = packet.height;
+        if !self.find_directions(rays, packet) {
             return Fit::Empty;
         }
         // NaN fails this comparison.
@@ -177,24 +181,24 @@ impl Places {
 
     /// Computes the directions of all rays, in the camera's axes. Returns whether there are any rays.
     #[inline(always)]
-    fn find_directions(&mut self, rays: &PanoramaRays, part: Rect) -> bool {
+    fn find_directions(&mut self, rays: &PanoramaRays, packet: Rect) -> bool {
         self.has_ray = [0; SIDE];
-        if rays.window(part).is_some() {
-            self.find_directions_through_lens(rays, part);
+        if let Some(region) = rays.lens_region(packet) {
+            self.find_directions_through_lens((rays, &region), packet);
             return true;
         }
-        let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
+        let in_packet = u32::MAX >> (SIDE as u32 - packet.width.clamp(1, SIDE as u32));
         let mut eight = [[0.0; LANES]; 3];
-        for row in 0..part.height {
-            for first in (0..part.width).step_by(ROW) {
-                let has = rays.nearly_eight(part.x + first, part.y + row, &mut eight);
+        for row in 0..packet.height {
+            for first in (0..packet.width).step_by(ROW) {
+                let has = rays.nearly_eight(packet.x + first, packet.y + row, &mut eight);
                 let at = row as usize * SIDE + first as usize;
                 for (all, eight) in self.directions.iter_mut().zip(&eight) {
                     if let Some(all) = all.get_mut(at..at + LANES) {
                         all.copy_from_slice(eight);
                     }
                 }
-                self.has_ray[row as usize] |= has << first & in_part;
+                self.has_ray[row as usize] |= has << first & in_packet;
             }
         }
         let Some(row) = self.has_ray.iter().rposition(|&has| has != 0) else {
@@ -205,25 +209,34 @@ impl Places {
         true
     }
 
-    /// Directions of rays through a lens that is well-behaved in the whole rectangle. Newton's method starts, for each row,
+    /// Directions of rays through a lens, of which all is known in the whole rectangle. Newton's method starts, for each row,
     /// from the quadratic extrapolation of the three rows above it.
     #[inline(always)]
-    fn find_directions_through_lens(&mut self, rays: &PanoramaRays, part: Rect) {
-        let in_part = u32::MAX >> (SIDE as u32 - part.width.clamp(1, SIDE as u32));
-        for first in (0..part.width).step_by(ROW) {
+    fn find_directions_through_lens(
+        &mut self,
+        (rays, region): (&PanoramaRays, &LensRegion),
+        packet: Rect,
+    ) {
+        let in_packet = u32::MAX >> (SIDE as u32 - packet.width.clamp(1, SIDE as u32));
+        for first in (0..packet.width).step_by(ROW) {
             let mut above = [[[0.0; LANES]; 2]; 3];
-            for row in 0..part.height {
-                let (column, at) = (part.x + first, row as usize * SIDE + first as usize);
+            for row in 0..packet.height {
+                let (column, at) = (packet.x + first, row as usize * SIDE + first as usize);
                 let near = match row {
                     0 => None,
-                    1 | 2 => rays.eight_through_lens(column, part.y + row, above[0]),
-                    _ => rays.eight_through_lens(column, part.y + row, extrapolated(&above)),
+                    1 | 2 => rays.eight_through_lens(region, column, packet.y + row, above[0]),
+                    _ => rays.eight_through_lens(
+                        region,
+                        column,
+                        packet.y + row,
+                        extrapolated(&above),
+                    ),
                 };
                 let found = match near {
                     Some(found) => found,
                     None => {
                         let mut exact = [[0.0; LANES]; 3];
-                        rays.nearly_eight(column, part.y + row, &mut exact);
+                        rays.nearly_eight(column, packet.y + row, &mut exact);
                         [exact[0], exact[1]]
                     }
                 };
@@ -235,8 +248,8 @@ impl Places {
                 above = [found, above[0], above[1]];
             }
         }
-        for has_ray in self.has_ray.iter_mut().take(part.height as usize) {
-            *has_ray = in_part;
+        for has_ray in self.has_ray.iter_mut().take(packet.height as usize) {
+            *has_ray = in_packet;
         }
         self.fill(0);
     }
@@ -395,6 +408,14 @@ impl Places {
             *x = ((across - left) * inverse + MARGIN) as f32;
             *y = ((high - along) * inverse + MARGIN) as f32;
         }
+        // Rounding keeps order, so these are the extremes of the places as rounded.
+        let last = |extent: f64| (extent * inverse + MARGIN) as f32;
+        self.around = PlaceBox {
+            left: MARGIN as f32,
+            right: last(right - left),
+            top: MARGIN as f32,
+            bottom: last(high - low),
+        };
         let half = SIDE as f64 * 0.5;
         self.first = (
             left * inverse - MARGIN + half,
@@ -415,13 +436,11 @@ impl Places {
         self.window.grown(TANGENT_ERROR)
     }
 
-    /// The places of eight rays, from ray `first` on.
+    /// The places of eight rays of a cell's row, the first of which is `first`.
     #[inline(always)]
-    pub(super) fn eight(&self, first: usize) -> Option<(&[f32; ROW], &[f32; ROW])> {
-        Some((
-            self.x.get(first..)?.first_chunk()?,
-            self.y.get(first..)?.first_chunk()?,
-        ))
+    pub(super) fn eight(&self, first: usize) -> (&[f32; ROW], &[f32; ROW]) {
+        let row = first / ROW % (RAYS / ROW);
+        (&self.x.as_chunks().0[row], &self.y.as_chunks().0[row])
     }
 }
 

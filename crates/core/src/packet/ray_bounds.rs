@@ -84,7 +84,7 @@ const RANGE: f64 = 1e30;
 #[derive(Clone, Debug)]
 pub(crate) struct Projector {
     perspective: bool,
-    cull: Cull,
+    pub(super) cull: Cull,
     /// The point that corners are relative to, as the sum of two numbers.
     origin: [[f32; 2]; 3],
     /// T's rows.
@@ -184,8 +184,7 @@ impl Projector {
         count: usize,
         out: &mut ProjectedTriangles,
     ) {
-        let mapped = self.map_corners(lanes, corners);
-        let projected = self.divide(lanes, &mapped);
+        let projected = self.projected(lanes, corners);
         let extent = Extent {
             margin: projected.margin,
             safe: projected.safe,
@@ -221,6 +220,12 @@ impl Projector {
         (bounds.top + ROUNDER).store(&mut out.top);
         (bounds.bottom + ROUNDER).store(&mut out.bottom);
         nearest.store(&mut out.nearest);
+    }
+
+    /// Places and depth keys of the corners.
+    #[inline(always)]
+    pub(super) fn projected<L: Lanes>(&self, lanes: L, corners: &CornerLanes) -> Projected<L> {
+        self.divide(lanes, &self.map_corners(lanes, corners))
     }
 
     /// T of the corners.
@@ -337,29 +342,29 @@ struct MappedCorners<L: Lanes> {
 }
 
 /// Eight triangles projected into the packet.
-struct Projected<L: Lanes> {
+pub(super) struct Projected<L: Lanes> {
     /// Places of the corners.
-    xs: Three<L::F32>,
-    ys: Three<L::F32>,
+    pub(super) xs: Three<L::F32>,
+    pub(super) ys: Three<L::F32>,
     /// Depth keys of the corners, and a bound on the error of a key interpolated between them.
-    keys: Three<L::F32>,
-    key_error: L::F32,
+    pub(super) keys: Three<L::F32>,
+    pub(super) key_error: L::F32,
     /// An upper bound of the nearest corner's depth key.
-    nearest: L::F32,
+    pub(super) nearest: L::F32,
     /// By how much bounds grow.
-    margin: L::F32,
+    pub(super) margin: L::F32,
     /// Lanes whose places and depth keys may be used.
-    safe: L::Mask,
+    pub(super) safe: L::Mask,
     /// Of those, the triangles that lie wholly in front of the eye, or the image plane.
-    in_front: L::Mask,
+    pub(super) in_front: L::Mask,
     /// Triangles that no ray hits, because they lie behind.
-    behind: L::Mask,
+    pub(super) behind: L::Mask,
 }
 
 impl<L: Lanes> Projected<L> {
     /// m': bound on the error of a place.
     #[inline(always)]
-    fn place_error(&self) -> L::F32 {
+    pub(super) fn place_error(&self) -> L::F32 {
         self.margin - (MARGIN - PLACE_ERROR) as f32
     }
 }

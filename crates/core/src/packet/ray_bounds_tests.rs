@@ -11,7 +11,7 @@ use crate::math;
 use crate::num::simd::{LANES, Plain};
 use crate::random::Random;
 use crate::ray::Ray;
-use crate::triangle::exact::{self, Placed};
+use crate::triangle::exact::{self, PlacedTriangle};
 use glam::{DVec3, Vec3};
 
 /// Counts of what was compared.
@@ -23,17 +23,24 @@ struct Tally {
 }
 
 /// `depth` is what the projector assumes of the scene; triangles are some 5 units away.
-fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &mut Tally) {
+fn check(projection: Projection, pitch: f64, tree_origin: DVec3, depth: f32, tally: &mut Tally) {
     let mut random = Random(57);
     for round in 0..1500 {
-        let camera = camera(&mut random, frame, projection, pitch);
+        let camera = camera(&mut random, tree_origin, projection, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
-        let projector = Projector::new(&space(&camera, frame, cull), depth);
+        let projector = Projector::new(&space(&camera, tree_origin, cull), depth);
         let triangles: [([Vec3; 3], (usize, usize)); LANES] = std::array::from_fn(|_| {
             let size = pitch * [0.2, 1.0, 2.0, 12.0][(random.unit() * 4.0) as usize];
-            triangle_at_ray(&mut random, &camera, frame, size)
+            triangle_at_ray(&mut random, &camera, tree_origin, size)
         });
-        check_eight(&projector, (&camera, 0), frame, cull, &triangles, tally);
+        check_eight(
+            &projector,
+            (&camera, 0),
+            tree_origin,
+            cull,
+            &triangles,
+            tally,
+        );
     }
 }
 
@@ -42,7 +49,7 @@ fn check(projection: Projection, pitch: f64, frame: DVec3, depth: f32, tally: &m
 fn check_eight(
     projector: &Projector,
     (camera, first): (&Camera, u32),
-    frame: DVec3,
+    tree_origin: DVec3,
     cull: Cull,
     triangles: &[([Vec3; 3], (usize, usize)); LANES],
     tally: &mut Tally,
@@ -61,9 +68,9 @@ fn check_eight(
             },
             ..camera.ray(x as f64 + begin, y as f64 + begin)
         };
-        let placed = Placed {
+        let placed = PlacedTriangle {
             corners,
-            origin: frame,
+            origin: tree_origin,
         };
         let truth = exact::hit(&ray, &placed, cull, 0);
         let key = truth.map(|hit| {
@@ -223,7 +230,7 @@ fn rays_beside_their_places_are_within_the_bounds() {
         let mut projected = ProjectedTriangles::NONE;
         Projector::new(&space, 5.0).project(Plain, &corners, LANES, &mut projected);
         for (l, (corners, ray, [x, y])) in triangles.into_iter().enumerate() {
-            let placed = Placed {
+            let placed = PlacedTriangle {
                 corners,
                 origin: DVec3::ZERO,
             };

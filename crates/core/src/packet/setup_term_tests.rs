@@ -11,7 +11,7 @@ use crate::hit::Cull;
 use crate::math;
 use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
-use crate::triangle::exact::Placed;
+use crate::triangle::exact::PlacedTriangle;
 use glam::{DVec3, Vec3};
 
 const ALL: RayBox = RayBox {
@@ -39,17 +39,17 @@ fn camera_at(eye: DVec3, target: DVec3, projection: Projection, pitch: f64) -> C
 fn depth_keys_next_to_the_image_plane_are_within_their_bounds() {
     let mut random = Random(86);
     let mut tally = Tally::default();
-    let frame = DVec3::new(1e-9, 2e-9, -1e-9);
+    let tree_origin = DVec3::new(1e-9, 2e-9, -1e-9);
     for _ in 0..2000 {
         let middle = DVec3::new(3e7, 2e7, -3e7);
         let corners = [(); 3].map(|()| (middle + random.point() * 1000.0).as_vec3());
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
         let way = (b - a).cross(c - a).normalize() + random.point() * 0.3;
-        let eye = frame + inside + way * (decades(&mut random, -9.0, -6.0) * random.signed());
+        let eye = tree_origin + inside + way * (decades(&mut random, -9.0, -6.0) * random.signed());
         let pitch = decades(&mut random, -11.0, -7.0);
         let camera = camera_at(eye, eye - way * 5.0, Projection::Orthographic, pitch);
-        check_one(&mut random, &camera, frame, corners, &mut tally);
+        check_one(&mut random, &camera, tree_origin, corners, &mut tally);
     }
     assert!(tally.hits > 1000, "{tally:?}");
 }
@@ -73,7 +73,7 @@ fn check_diagonal(
         };
         work.run(Plain);
     }
-    let placed = Placed {
+    let placed = PlacedTriangle {
         corners,
         origin: DVec3::ZERO,
     };
@@ -254,7 +254,7 @@ fn rays_beside_their_places_are_within_the_bounds() {
             (along + random.point() * (20.0 * pitch)).as_vec3()
         });
         let lanes = lanes_of([corners; LANES]);
-        let placed = Placed {
+        let placed = PlacedTriangle {
             corners,
             origin: DVec3::ZERO,
         };

@@ -13,7 +13,7 @@ use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
 use crate::ray::Ray;
 use crate::triangle::Nearest;
-use crate::triangle::exact::{self, Placed};
+use crate::triangle::exact::{self, PlacedTriangle};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
@@ -64,16 +64,16 @@ fn triangle(random: &mut Random, camera: &Camera, pitch: f64) -> [Vec3; 3] {
 }
 
 /// A triangle of about this `size` with an edge through a ray, or a corner on it, except for rounding; and that ray.
-/// Some are nearly edge-on. Corners are relative to `frame`.
+/// Some are nearly edge-on. Corners are relative to `tree_origin`.
 pub(super) fn triangle_at_ray(
     random: &mut Random,
     camera: &Camera,
-    frame: DVec3,
+    tree_origin: DVec3,
     size: f64,
 ) -> ([Vec3; 3], (usize, usize)) {
     let [x, y] = [(); 2].map(|()| (random.unit() * SIDE as f64) as usize);
     let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
-    let origin = ray.origin - frame;
+    let origin = ray.origin - tree_origin;
     let point = origin - ray.direction * origin.dot(ray.direction);
     let along = random.point() * size;
     let (a, b) = (point + along, point - along * random.signed().max(0.0));
@@ -83,10 +83,10 @@ pub(super) fn triangle_at_ray(
     ([a, b, c].map(DVec3::as_vec3), (x, y))
 }
 
-/// The packet of a camera's rays; corners are relative to `frame`.
-pub(super) fn space(camera: &Camera, frame: DVec3, cull: Cull) -> PacketSpace {
-    let eye = camera.placement().eye - frame;
-    let error = if frame == DVec3::ZERO {
+/// The packet of a camera's rays; corners are relative to `tree_origin`.
+pub(super) fn space(camera: &Camera, tree_origin: DVec3, cull: Cull) -> PacketSpace {
+    let eye = camera.placement().eye - tree_origin;
+    let error = if tree_origin == DVec3::ZERO {
         0.0
     } else {
         eye.abs().max_element() * f64::EPSILON * 0.5
@@ -111,7 +111,7 @@ fn check(
     lane: (&TriangleSetup, usize),
     camera: &Camera,
     cull: Cull,
-    placed: &Placed,
+    placed: &PlacedTriangle,
     rays: impl Iterator<Item = (usize, usize)>,
     tally: &mut Tally,
 ) {
@@ -124,7 +124,7 @@ pub(super) fn check_aside(
     camera: &Camera,
     aside: (f64, f64),
     cull: Cull,
-    placed: &Placed,
+    placed: &PlacedTriangle,
     rays: impl Iterator<Item = (usize, usize)>,
     tally: &mut Tally,
 ) {
@@ -220,10 +220,10 @@ fn hostile_triangle(
     }
 }
 
-/// Sets up triangles that cameras see around `frame`, and checks each at all rays of the packet, or at the ray that
+/// Sets up triangles that cameras see around `tree_origin`, and checks each at all rays of the packet, or at the ray that
 /// an edge goes through.
 fn check_all(
-    (projection, pitch, frame): (Projection, f64, DVec3),
+    (projection, pitch, tree_origin): (Projection, f64, DVec3),
     rounds: usize,
     kind: Kind,
 ) -> Tally {
@@ -231,13 +231,13 @@ fn check_all(
     let mut random = Random(51);
     let mut tally = Tally::default();
     for round in 0..rounds {
-        let camera = camera(&mut random, frame, projection, pitch);
+        let camera = camera(&mut random, tree_origin, projection, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
-        let space = space(&camera, frame, cull);
-        let eye = camera.placement().eye - frame;
+        let space = space(&camera, tree_origin, cull);
+        let eye = camera.placement().eye - tree_origin;
         let triangles: [([Vec3; 3], (usize, usize)); LANES] = std::array::from_fn(|_| {
             if at_rays {
-                triangle_at_ray(&mut random, &camera, frame, 12.0 * pitch)
+                triangle_at_ray(&mut random, &camera, tree_origin, 12.0 * pitch)
             } else {
                 (
                     hostile_triangle(&mut random, kind, (&camera, eye), pitch),
@@ -267,9 +267,9 @@ fn check_all(
             work.run(Plain);
         }
         for (l, &(corners, ray)) in triangles.iter().enumerate() {
-            let placed = Placed {
+            let placed = PlacedTriangle {
                 corners,
-                origin: frame,
+                origin: tree_origin,
             };
             let (columns, rows) = if at_rays {
                 (ray.0..ray.0 + 1, ray.1..ray.1 + 1)
@@ -288,7 +288,7 @@ fn check_all(
 pub(super) fn check_one(
     random: &mut Random,
     camera: &Camera,
-    frame: DVec3,
+    tree_origin: DVec3,
     corners: [Vec3; 3],
     tally: &mut Tally,
 ) {
@@ -297,12 +297,12 @@ pub(super) fn check_one(
     } else {
         Cull::Back
     };
-    let space = space(camera, frame, cull);
+    let space = space(camera, tree_origin, cull);
     let all = lanes_of([corners; LANES]);
     let mut set_up = space.set_up(&all, &[ALL; LANES]);
-    let placed = Placed {
+    let placed = PlacedTriangle {
         corners,
-        origin: frame,
+        origin: tree_origin,
     };
     for componentwise in [false, true] {
         if componentwise {
@@ -398,12 +398,12 @@ fn depth_keys_of_steep_triangles_are_within_their_bounds() {
 fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
     let mut random = Random(79);
     let mut tally = Tally::default();
-    let frame = DVec3::new(1e-9, 2e-9, -1e-9);
+    let tree_origin = DVec3::new(1e-9, 2e-9, -1e-9);
     for round in 0..2000 {
         let middle = DVec3::new(3e7, 2e7, -3e7);
         let corners = [(); 3].map(|()| (middle + random.point() * 1000.0).as_vec3());
         let [a, b, _] = corners.map(Vec3::as_dvec3);
-        let target = frame + a + (b - a) * random.unit();
+        let target = tree_origin + a + (b - a) * random.unit();
         let placement = Placement {
             eye: target + random.point().normalize() * 1000.0,
             target,
@@ -413,7 +413,7 @@ fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
         let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
         let projection = [Projection::Perspective, Projection::Orthographic][round % 2];
         let camera = Camera::new(placement, projection, plane);
-        check_one(&mut random, &camera, frame, corners, &mut tally);
+        check_one(&mut random, &camera, tree_origin, corners, &mut tally);
     }
     assert!(tally.hits > 1000, "{tally:?}");
 }
@@ -451,11 +451,15 @@ fn edges_through_rays_are_decided_only_where_it_is_sure() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let near = [1e-2, 1e-6, 1e-10, 1e-11, 3e-12, 1e-12].map(|pitch| (pitch, DVec3::ZERO));
         let far = [1e-5, 1e-6, 1e-7].map(|pitch| (pitch, far));
-        for &(pitch, frame) in near.iter().chain(&far) {
-            let tally = check_all((projection, pitch, frame), 5000, Kind::AtRay);
+        for &(pitch, tree_origin) in near.iter().chain(&far) {
+            let tally = check_all((projection, pitch, tree_origin), 5000, Kind::AtRay);
             hits += tally.hits;
             culled += tally.culled;
-            check_all((projection, pitch, frame), 1000, Kind::AtRayByComponent);
+            check_all(
+                (projection, pitch, tree_origin),
+                1000,
+                Kind::AtRayByComponent,
+            );
         }
     }
     assert!(hits > 90_000 && culled > 90_000, "{hits} {culled}");
@@ -478,10 +482,11 @@ fn what_componentwise_bounds_decide_is_what_integers_decide() {
             (Kind::AnyExponent, 1e-6, 20),
         ] {
             let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
-            for frame in [DVec3::ZERO, DVec3::new(0.25, 0.0, -3.0), far] {
-                let Tally { decided, all, .. } = check_all((projection, pitch, frame), 4, kind);
+            for tree_origin in [DVec3::ZERO, DVec3::new(0.25, 0.0, -3.0), far] {
+                let Tally { decided, all, .. } =
+                    check_all((projection, pitch, tree_origin), 4, kind);
                 let share = decided * 100 / all;
-                let is_enough = share >= least || frame != DVec3::ZERO;
+                let is_enough = share >= least || tree_origin != DVec3::ZERO;
                 assert!(is_enough, "{projection:?} {pitch}: {share} in a hundred");
             }
         }
@@ -497,7 +502,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let perspective = projection == Projection::Perspective;
         // The least fraction of pairs that are ordered.
-        for (pitch, apart, frame, least) in [
+        for (pitch, apart, tree_origin, least) in [
             (1e-3, 1e-9, DVec3::ZERO, 60),
             (1e-11, 1e-10, DVec3::ZERO, 40),
             (1e-11, 1e-12, DVec3::ZERO, 10),
@@ -507,15 +512,15 @@ fn relative_depth_keys_order_only_what_is_sure() {
         ] {
             let (mut both, mut ordered) = (0, 0);
             for round in 0..400 {
-                let camera = camera(&mut random, frame, projection, pitch);
-                let eye = camera.placement().eye - frame;
+                let camera = camera(&mut random, tree_origin, projection, pitch);
+                let eye = camera.placement().eye - tree_origin;
                 let boxes = [Box32 {
                     min: Vec3::splat(-8.0 * pitch as f32),
                     max: Vec3::splat(8.0 * pitch as f32),
                 }];
                 let reference = DepthReference::of(boxes.into_iter(), &camera, eye);
                 assert!(pitch > 1e-5 || !reference.is_zero());
-                let space = space(&camera, frame, Cull::None).relative_to(reference);
+                let space = space(&camera, tree_origin, Cull::None).relative_to(reference);
                 // Pairs of triangles: one slightly behind the other, or tilted against it.
                 let mut triangles = [[Vec3::ZERO; 3]; LANES];
                 for l in (0..LANES).step_by(2) {
@@ -548,9 +553,9 @@ fn relative_depth_keys_order_only_what_is_sure() {
                         let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
                         let t_min = if perspective { 0.0 } else { -1e99 };
                         let ray = Ray { t_min, ..ray };
-                        let placed = |l: usize| Placed {
+                        let placed = |l: usize| PlacedTriangle {
                             corners: triangles[l],
-                            origin: frame,
+                            origin: tree_origin,
                         };
                         let order = exact::compare(&ray, &placed(l), &placed(l + 1), Cull::None);
                         let Some(order) = order else { continue };

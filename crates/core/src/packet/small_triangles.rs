@@ -8,11 +8,11 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 /// The largest edge error, relative to the doubled area, of a triangle whose orientation is used. At a third and
 /// beyond no orientation is sure, and the closer to that, the wider the bounds of depth keys. With a smaller limit
 /// more slivers are set up.
-const MAX_AREA_ERROR: f32 = 1.0 / 16.0;
+pub(super) const MAX_AREA_ERROR: f32 = 1.0 / 16.0;
 
 /// Relative error of the interpolated depth key, in units of (edge error / doubled area) · (spread of the
 /// depth key over the corners): derived in [`ray_bounds`](super::ray_bounds).
-const DEPTH_KEY_ERROR: f32 = 6.0;
+pub(super) const DEPTH_KEY_ERROR: f32 = 6.0;
 
 /// The most columns, and rows, of rays in the bounds of a small triangle.
 const SMALL_COLUMNS: usize = 5;

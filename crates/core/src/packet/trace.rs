@@ -139,15 +139,15 @@ impl Work for RecordTrace<'_> {
                 });
             }
             if !trace.entry_points.is_empty() {
-                for part in large.split(SIDE as u32) {
+                for packet in large.split(SIDE as u32) {
                     let mut recorder = Recorder::default();
                     let before = traversal.counts.nodes;
-                    if traversal.cast(lanes, &part, cull, &mut zbuffer, &mut recorder) {
-                        find.keep(&part, &mut zbuffer);
+                    if traversal.cast(lanes, &packet, cull, &mut zbuffer, &mut recorder) {
+                        find.keep(&packet, &mut zbuffer);
                     }
-                    let seen = ray_indices(lattice, &part).map(|at| find.primitives[at]);
+                    let seen = ray_indices(lattice, &packet).map(|at| find.primitives[at]);
                     trace.packets.push(PacketTrace {
-                        rays: rays(lattice, &part),
+                        rays: rays(lattice, &packet),
                         nodes: traversal.counts.nodes - before,
                         reached: ascending(recorder.reached),
                         set_up: ascending(recorder.set_up),
@@ -161,21 +161,21 @@ impl Work for RecordTrace<'_> {
 }
 
 /// The rays of a rectangle, as a lattice of their own.
-fn rays(lattice: &Lattice, part: &RayRect) -> Lattice {
+fn rays(lattice: &Lattice, packet: &RayRect) -> Lattice {
     Lattice {
-        x: lattice.x + part.column * lattice.stride,
-        y: lattice.y + part.row * lattice.stride,
-        columns: part.columns,
-        rows: part.rows,
+        x: lattice.x + packet.column * lattice.stride,
+        y: lattice.y + packet.row * lattice.stride,
+        columns: packet.columns,
+        rows: packet.rows,
         ..*lattice
     }
 }
 
 /// Indices of a rectangle's rays in the lattice.
-fn ray_indices(lattice: &Lattice, part: &RayRect) -> impl Iterator<Item = usize> {
-    let (part, columns) = (*part, lattice.columns);
-    (part.row..part.row + part.rows).flat_map(move |row| {
-        (part.column..part.column + part.columns)
+fn ray_indices(lattice: &Lattice, packet: &RayRect) -> impl Iterator<Item = usize> {
+    let (packet, columns) = (*packet, lattice.columns);
+    (packet.row..packet.row + packet.rows).flat_map(move |row| {
+        (packet.column..packet.column + packet.columns)
             .map(move |column| row as usize * columns as usize + column as usize)
     })
 }
@@ -239,13 +239,13 @@ mod tests {
                         let listed = ascending(listed.collect());
                         spared += accel.len() - listed.len();
                         for packet in &large.packets {
-                            let part = RayRect {
+                            let rect = RayRect {
                                 column: packet.rays.x - lattice.x,
                                 row: packet.rays.y - lattice.y,
                                 columns: packet.rays.columns,
                                 rows: packet.rays.rows,
                             };
-                            let found = ray_indices(&lattice, &part).map(|at| primitives[at]);
+                            let found = ray_indices(&lattice, &rect).map(|at| primitives[at]);
                             let found = found.filter(|&primitive| primitive != MISS).collect();
                             assert_eq!(packet.seen, ascending(found));
                             // This would fail only where all rays of a cell are undecided.

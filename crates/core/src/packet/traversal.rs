@@ -100,7 +100,7 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     clip: &'a Clip,
     lattice: &'a Lattice,
     /// Whether the rays are those of a cube's face, which differ from the lattice's by up to [`TANGENT_ERROR`].
-    pub(super) is_beside: bool,
+    pub(super) has_ray_error: bool,
     eye: DVec3,
     eye_error: f64,
     /// The large packet's entry points in pairs, near to far.
@@ -134,7 +134,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             accel,
             clip,
             lattice,
-            is_beside: false,
+            has_ray_error: false,
             eye,
             eye_error,
             pairs: Vec::new(),
@@ -151,18 +151,19 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     }
 
     /// The window of the image plane that a rectangle's rays go through.
-    fn window(&self, part: &RayRect) -> Window {
-        let (x0, y0) = self.lattice.place(part.column, part.row);
-        let (x1, y1) = self
-            .lattice
-            .place(part.column + part.columns - 1, part.row + part.rows - 1);
+    fn window(&self, packet: &RayRect) -> Window {
+        let (x0, y0) = self.lattice.place(packet.column, packet.row);
+        let (x1, y1) = self.lattice.place(
+            packet.column + packet.columns - 1,
+            packet.row + packet.rows - 1,
+        );
         let (left, top) = self.lattice.camera.across_and_along(x0, y0);
         let (right, bottom) = self.lattice.camera.across_and_along(x1, y1);
         let window = Window {
             across: (left, right),
             along: (bottom, top),
         };
-        if self.is_beside {
+        if self.has_ray_error {
             return window.grown(TANGENT_ERROR * self.lattice.camera.distance());
         }
         window
@@ -177,18 +178,18 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    pub(super) fn frustum(&self, part: &RayRect) -> Frustum {
-        Frustum::new(self.viewpoint(), &self.window(part))
+    pub(super) fn frustum(&self, packet: &RayRect) -> Frustum {
+        Frustum::new(self.viewpoint(), &self.window(packet))
     }
 
     /// The frusta of a packet's cells, as if the packet were full.
     #[inline(never)]
-    fn cell_frusta(&self, part: &RayRect) -> CellFrusta {
+    fn cell_frusta(&self, packet: &RayRect) -> CellFrusta {
         let diagonal = std::array::from_fn(|cell| {
             let from = (cell * ROW) as u32;
             self.window(&RayRect {
-                column: part.column + from,
-                row: part.row + from,
+                column: packet.column + from,
+                row: packet.row + from,
                 columns: ROW as u32,
                 rows: ROW as u32,
             })
@@ -201,15 +202,15 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     pub(super) fn cast(
         &mut self,
         lanes: impl Lanes,
-        part: &RayRect,
+        packet: &RayRect,
         cull: Cull,
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) -> bool {
-        let space = self.space(part, cull);
+        let space = self.space(packet, cull);
         let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
         let projector = Projector::new(&space, nearest);
-        let mut descent = Descent::new(self.frustum(part), SmallBoxes::new(self.lattice));
+        let mut descent = Descent::new(self.frustum(packet), SmallBoxes::new(self.lattice));
         let mut projected = ProjectedTriangles::NONE;
         let mut begun = false;
         loop {
@@ -229,7 +230,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 if covered >= MANY_RAYS {
                     break;
                 }
-                self.fill_batch(lanes, &mut descent, part, zbuffer, observer);
+                self.fill_batch(lanes, &mut descent, packet, zbuffer, observer);
                 if self.batch.len == 0 {
                     break;
                 }
@@ -239,7 +240,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 if !begun {
                     begun = true;
                     self.decisions.set_rays(&space);
-                    zbuffer.clear(lanes, part.columns, part.rows, self.start_key());
+                    zbuffer.clear(lanes, packet.columns, packet.rows, self.start_key());
                 }
                 let corners = self.corners(lanes, self.batch.primitives());
                 projector.project(lanes, &corners, self.batch.len, &mut projected);
@@ -268,7 +269,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         &mut self,
         lanes: impl Lanes,
         descent: &mut Descent,
-        part: &RayRect,
+        packet: &RayRect,
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) {
@@ -324,7 +325,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 if descent.doubtful > DOUBTFUL {
                     let cells = match &descent.cells {
                         Some(cells) => cells,
-                        None => descent.cells.insert(self.cell_frusta(part)),
+                        None => descent.cells.insert(self.cell_frusta(packet)),
                     };
                     let in_a = cells.touched(lanes, boxes, 0);
                     let in_b = cells.touched(lanes, boxes, 1);
@@ -468,17 +469,17 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    fn space(&self, part: &RayRect, cull: Cull) -> PacketSpace {
+    fn space(&self, packet: &RayRect, cull: Cull) -> PacketSpace {
         let space = PacketSpace::new(
             &self.lattice.camera,
             self.eye,
             self.eye_error,
-            self.lattice.place(part.column, part.row),
+            self.lattice.place(packet.column, packet.row),
             f64::from(self.lattice.stride),
-            (part.columns, part.rows),
+            (packet.columns, packet.rows),
             cull,
         );
-        let space = if self.is_beside {
+        let space = if self.has_ray_error {
             space.with_rays_beside()
         } else {
             space

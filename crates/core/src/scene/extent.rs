@@ -5,14 +5,14 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// A visible object's mesh and transform.
-struct Placed<'s> {
+struct ObjectExtent<'s> {
     mesh: &'s Mesh,
     world_from_object: DAffine3,
     /// A conservative box around its points; infinite where they may overflow double precision.
     loose: Bounds,
 }
 
-impl<'s> Placed<'s> {
+impl<'s> ObjectExtent<'s> {
     /// `None` for a mesh without triangles.
     fn new(mesh: &'s Mesh, world_from_object: DAffine3) -> Option<Self> {
         let own = mesh.bounds();
@@ -100,11 +100,12 @@ impl Mesh {
 
 impl Scene {
     /// The visible objects with their transforms; `None` where a transform or parent is invalid.
-    fn placed(&self) -> Option<Vec<Placed<'_>>> {
+    fn placed(&self) -> Option<Vec<ObjectExtent<'_>>> {
         let transforms = self.world_from_objects().ok()?;
         let objects = self.objects.iter().zip(transforms);
         let visible = objects.filter(|(object, _)| object.visible);
-        let placed = visible.filter_map(|(object, transform)| Placed::new(&object.mesh, transform));
+        let placed =
+            visible.filter_map(|(object, transform)| ObjectExtent::new(&object.mesh, transform));
         Some(placed.collect())
     }
 
@@ -114,21 +115,24 @@ impl Scene {
         let placed = self.placed().unwrap_or_default();
         // Objects whose boxes reach furthest first: they contain most others, which then need not be visited.
         let axis = |axis: usize| {
-            let low = |p: &&Placed<'_>| p.loose.min[axis];
-            let high = |p: &&Placed<'_>| p.loose.max[axis];
+            let low = |p: &&ObjectExtent<'_>| p.loose.min[axis];
+            let high = |p: &&ObjectExtent<'_>| p.loose.max[axis];
             let lowest = placed.iter().min_by(|a, b| low(a).total_cmp(&low(b)));
             let highest = placed.iter().max_by(|a, b| high(a).total_cmp(&high(b)));
             [lowest, highest]
         };
         let outermost = (0..3).flat_map(axis).flatten();
         let outermost = outermost
-            .map(Placed::bounds)
+            .map(ObjectExtent::bounds)
             .fold(Bounds::EMPTY, Bounds::union);
-        let reaches_out = |placed: &&Placed<'_>| {
+        let reaches_out = |placed: &&ObjectExtent<'_>| {
             let Bounds { min, max } = placed.loose;
             !(min.cmpge(outermost.min) & max.cmple(outermost.max)).all()
         };
-        let others = placed.par_iter().filter(reaches_out).map(Placed::bounds);
+        let others = placed
+            .par_iter()
+            .filter(reaches_out)
+            .map(ObjectExtent::bounds);
         outermost.union(others.reduce(|| Bounds::EMPTY, Bounds::union))
     }
 

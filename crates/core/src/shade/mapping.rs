@@ -4,7 +4,7 @@ use super::TextureProjection;
 use super::facet::{Mapping, unit};
 use super::per_triangle::laid;
 use super::photograph::Photographed;
-use super::placed::Placed;
+use super::placed_image::PlacedImage;
 use super::triplanar::Triplanar;
 use crate::scene::{Object, Projector};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
@@ -19,7 +19,7 @@ pub(super) enum ObjectMapping {
     /// Along three axes.
     Triplanar(Triplanar),
     /// From a placed image.
-    Placed(Placed),
+    Placed(PlacedImage),
     /// From the camera that took the image.
     Photographed(Box<Photographed>),
 }
@@ -45,7 +45,7 @@ impl ObjectMapping {
                     .mapping
                     .projector
                     .unwrap_or_else(|| Projector::about(&mesh.bounds()));
-                Placed::new(projection, &projector, mesh.offset()).map(Self::Placed)
+                PlacedImage::new(projection, &projector, mesh.offset()).map(Self::Placed)
             }
             TextureProjection::Camera => {
                 let photograph = object.mapping.photograph.as_ref()?;

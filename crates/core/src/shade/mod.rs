@@ -38,7 +38,7 @@ mod own_color;
 mod own_color_tests;
 mod per_triangle;
 mod photograph;
-mod placed;
+mod placed_image;
 mod ramp;
 mod reflection;
 mod sample;

@@ -23,7 +23,7 @@ pub(super) struct OwnColors {
 }
 
 /// A triangle's position, as far as rules need it.
-pub(super) struct Placed {
+pub(super) struct PlacedCorners {
     /// Relative to the eye.
     pub(super) corners: [DVec3; 3],
     pub(super) camera: Camera,
@@ -64,7 +64,7 @@ pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -
     };
     let eye = camera.placement().eye;
     let offset = of.mesh.offset();
-    let placed = || Placed {
+    let placed = || PlacedCorners {
         corners: corners
             .map(|corner| world_from_object.transform_point3(offset + corner.as_dvec3()) - eye),
         camera: *camera,
@@ -135,7 +135,7 @@ impl OwnColors {
         number: u32,
         object: &Object,
         triangle: u32,
-        place: impl FnOnce() -> Placed,
+        place: impl FnOnce() -> PlacedCorners,
     ) -> Vec3 {
         match &object.color {
             ColorRule::File => srgb::linear(self.of_file(object, triangle)),
@@ -187,7 +187,7 @@ impl OwnColors {
         number: u32,
         object: &Object,
         triangle: u32,
-        place: impl FnOnce() -> Placed,
+        place: impl FnOnce() -> PlacedCorners,
     ) -> Varied {
         match &object.color {
             ColorRule::File => match object.corner_colors(triangle) {
@@ -219,8 +219,8 @@ impl OwnColors {
         }
     }
 
-    fn distances(&self, number: u32, from: Option<DVec3>, place: Placed) -> Varied {
-        let Placed {
+    fn distances(&self, number: u32, from: Option<DVec3>, place: PlacedCorners) -> Varied {
+        let PlacedCorners {
             corners, camera, ..
         } = place;
         match (from, camera.projection()) {

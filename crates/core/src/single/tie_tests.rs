@@ -51,7 +51,7 @@ fn ties_at_t_zero_go_to_the_lowest_number() {
     }
 }
 
-/// The origin relative to the frame is rounded to single precision, a nanometre beside the truth. The ray crosses
+/// The origin relative to the tree's origin is rounded to single precision, a nanometre beside the truth. The ray crosses
 /// that nanometre over a hundredth of a unit, and hits a box that is a single point there.
 #[test]
 fn boxes_touched_within_the_origins_error_are_entered() {
@@ -59,9 +59,9 @@ fn boxes_touched_within_the_origins_error_are_entered() {
     let point = Vec3::new(far as f32, 0.01, 0.0);
     let slope = 1e-9 / f64::from(point.y);
     for sign in [1.0, -1.0] {
-        let frame = DVec3::X * (1e-9 * sign);
+        let tree_origin = DVec3::X * (1e-9 * sign);
         let ray = Ray::new(DVec3::X * far, DVec3::new(slope * sign, 1.0, 0.0));
-        let prepared = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+        let prepared = PreparedRay::new(&ray, tree_origin, Cull::None, Precision::Exact);
         let prepared = prepared.expect("a valid ray");
         assert_eq!(prepared.origin.x, far);
         let bounds = Box32 {

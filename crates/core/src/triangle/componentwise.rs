@@ -113,13 +113,13 @@ impl Determinants {
 }
 
 impl Determinants {
-    /// The determinants in double-double arithmetic; corners are relative to `frame`, a point in world space. `None`
+    /// The determinants in double-double arithmetic; corners are relative to `tree_origin`, a point in world space. `None`
     /// where a factor is out of [`RANGE`].
     ///
     /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): the form whose permanent is least is
     /// computed, so that triangles that are tiny compared with their distance are decided as well.
     ///
-    /// A corner relative to the origin is off by 3.1ε² of itself, since the frame relative to the origin is exact, as
+    /// A corner relative to the origin is off by 3.1ε² of itself, since the tree's origin relative to the ray's is exact, as
     /// differences of corners are; a product of two by 12ε² with its rounding, their difference by 3.1ε² more, the
     /// product with the third factor by 5ε², or 8.1ε² where that is a coordinate too, and two sums by 6.2ε²: below 32ε²
     /// of the permanent. The result is rounded to double precision.
@@ -127,12 +127,13 @@ impl Determinants {
         origin: DVec3,
         direction: DVec3,
         corners: [Vec3; 3],
-        frame: DVec3,
+        tree_origin: DVec3,
     ) -> Option<Self> {
         let axes = [0, 1, 2];
-        let frame = axes.map(|axis| DoubleDouble::difference(frame[axis], origin[axis]));
+        let tree_origin =
+            axes.map(|axis| DoubleDouble::difference(tree_origin[axis], origin[axis]));
         let relative = |corner: Vec3| {
-            let place = axes.map(|axis| frame[axis] + f64::from(corner[axis]).into());
+            let place = axes.map(|axis| tree_origin[axis] + f64::from(corner[axis]).into());
             WideFactor::of(place)
         };
         let way = |from: Vec3, to: Vec3| {

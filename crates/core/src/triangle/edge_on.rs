@@ -1,7 +1,7 @@
 //! Triangles exactly edge-on to a camera: decided once for all its rays.
 
 use super::componentwise::{plane_crosses, plane_misses};
-use super::exact::{Placed, plane_contains, plane_is_parallel};
+use super::exact::{PlacedTriangle, plane_contains, plane_is_parallel};
 use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
@@ -41,14 +41,14 @@ impl Level {
         })
     }
 
-    /// Whether a point lies at the level or on the side that rays come from. Its coordinate is `frame` + `relative`.
-    fn is_not_before(self, frame: f64, relative: f32) -> bool {
+    /// Whether a point lies at the level or on the side that rays come from. Its coordinate is `tree_origin` + `relative`.
+    fn is_not_before(self, tree_origin: f64, relative: f32) -> bool {
         let relative = f64::from(relative);
-        let sum = frame + relative;
+        let sum = tree_origin + relative;
         // The rounding error of the sum (Knuth's two-sum). Rounding is monotone: unless the rounded sum equals the
         // level, the exact sum is on the same side of it.
-        let added = sum - frame;
-        let rest = (frame - (sum - added)) + (relative - added);
+        let added = sum - tree_origin;
+        let rest = (tree_origin - (sum - added)) + (relative - added);
         let above = if sum == self.coordinate {
             rest
         } else {
@@ -73,13 +73,13 @@ impl Level {
 pub(crate) struct EdgeOn {
     shared: Shared,
     /// The point that corners are relative to.
-    frame: DVec3,
+    tree_origin: DVec3,
     /// Primitive indices, and whether each is edge-on.
     decided: [(u32, bool); CACHED],
 }
 
 impl EdgeOn {
-    pub(crate) fn new(camera: &Camera, frame: DVec3) -> Self {
+    pub(crate) fn new(camera: &Camera, tree_origin: DVec3) -> Self {
         let shared = match camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => {
                 Shared::Eye(camera.placement().eye)
@@ -88,7 +88,7 @@ impl EdgeOn {
         };
         Self {
             shared,
-            frame,
+            tree_origin,
             decided: [(MISS, false); CACHED],
         }
     }
@@ -107,25 +107,25 @@ impl EdgeOn {
         let in_double = corners.map(Vec3::as_dvec3);
         match self.shared {
             Shared::Eye(eye) => {
-                let rounded = eye - self.frame;
+                let rounded = eye - self.tree_origin;
                 // In units of ε; zero where nothing is subtracted, and so nothing is rounded.
-                let off = if self.frame == DVec3::ZERO {
+                let off = if self.tree_origin == DVec3::ZERO {
                     0.0
                 } else {
                     rounded.abs().max_element()
                 };
                 let misses = plane_misses(in_double, rounded, off);
-                let placed = Placed {
+                let placed = PlacedTriangle {
                     corners,
-                    origin: self.frame,
+                    origin: self.tree_origin,
                 };
                 !misses.unwrap_or_else(|| !plane_contains(eye, &placed))
             }
             Shared::Direction(direction, level) => {
                 let is_not_before = level.is_some_and(|level| {
-                    let frame = self.frame[level.axis];
+                    let tree_origin = self.tree_origin[level.axis];
                     let mut relative = corners.iter().map(|corner| corner[level.axis]);
-                    relative.all(|relative| level.is_not_before(frame, relative))
+                    relative.all(|relative| level.is_not_before(tree_origin, relative))
                 });
                 let crosses = || plane_crosses(direction, in_double);
                 is_not_before
@@ -152,7 +152,7 @@ mod tests {
     fn planes_through_the_eye_are_decided_exactly() {
         let eye = DVec3::new(0.75, -2.5, 3.0);
         let (u, v) = (DVec3::new(0.5, 0.25, 4.0), DVec3::new(-1.0, 3.0, 0.125));
-        for frame in [DVec3::ZERO, DVec3::new(4096.0, -64.0, 0.5)] {
+        for tree_origin in [DVec3::ZERO, DVec3::new(4096.0, -64.0, 0.5)] {
             let placed = [
                 [DVec3::ZERO, u, v],
                 [-u, u, v],
@@ -162,13 +162,17 @@ mod tests {
             for (at, corners) in placed.into_iter().enumerate() {
                 let corners = corners.map(|c| (eye + c).as_vec3());
                 for next in [false, true] {
-                    let x = frame.x + eye.x;
+                    let x = tree_origin.x + eye.x;
                     let x = if next { x.next_up() } else { x };
-                    let eye = (frame + eye).with_x(x);
+                    let eye = (tree_origin + eye).with_x(x);
                     let camera = camera(eye, eye + DVec3::ONE, Projection::Perspective);
-                    let mut edge_on = EdgeOn::new(&camera, frame);
+                    let mut edge_on = EdgeOn::new(&camera, tree_origin);
                     let expected = at < 3 && !next;
-                    assert_eq!(edge_on.is(7, corners), expected, "{at} {next} {frame}");
+                    assert_eq!(
+                        edge_on.is(7, corners),
+                        expected,
+                        "{at} {next} {tree_origin}"
+                    );
                     assert_eq!(edge_on.is(7, corners), expected);
                     // A triangle that shares the entry of the cache.
                     let other = [Vec3::X * 50.0, Vec3::Y * 50.0, Vec3::Z * 50.0];
@@ -179,19 +183,19 @@ mod tests {
         }
     }
 
-    /// The plane contains the eye, but not the eye's rounded position relative to the frame.
+    /// The plane contains the eye, but not the eye's rounded position relative to the tree's origin.
     #[test]
     fn an_eye_that_rounding_moves_off_a_plane_is_in_it() {
-        let (frame, eye) = (DVec3::X * 4096.0, DVec3::new(0.1, 0.1, 0.25));
+        let (tree_origin, eye) = (DVec3::X * 4096.0, DVec3::new(0.1, 0.1, 0.25));
         // In world space all corners have x = y.
         let corners = [[0.0, -3.0], [4.0, -2.0], [1.0, 5.0]];
         let corners = corners.map(|[y, z]: [f32; 2]| Vec3::new(y - 4096.0, y, z));
-        let rounded = eye - frame;
+        let rounded = eye - tree_origin;
         assert_ne!(rounded.x + 4096.0, rounded.y);
         let in_double = corners.map(Vec3::as_dvec3);
         assert_eq!(plane_misses(in_double, rounded, 0.0), Some(true));
         let camera = camera(eye, DVec3::ZERO, Projection::Perspective);
-        assert!(EdgeOn::new(&camera, frame).is(0, corners));
+        assert!(EdgeOn::new(&camera, tree_origin).is(0, corners));
     }
 
     #[test]
@@ -249,8 +253,8 @@ mod tests {
 
     #[test]
     fn triangles_at_or_behind_the_image_plane_are_decided_exactly() {
-        for (frame, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {
-            let (frame, up) = (DVec3::Z * frame, DVec3::Z * f64::from(height as f32));
+        for (tree_origin, height) in [(0.0, 3.0), (4096.0, 0.1), (1_000_000.1, 0.3)] {
+            let (tree_origin, up) = (DVec3::Z * tree_origin, DVec3::Z * f64::from(height as f32));
             let triangle = |z: f32| {
                 [
                     Vec3::new(1.0, 2.0, z),
@@ -260,15 +264,15 @@ mod tests {
             };
             let at = triangle(height as f32);
             let next = triangle((height as f32).next_up());
-            let eye = frame + up;
+            let eye = tree_origin + up;
             // The sum is representable only for the first: elsewhere the eye is above or below the level.
-            let is_above = eye.z - frame.z > up.z;
-            let exact = eye.z - frame.z == up.z;
+            let is_above = eye.z - tree_origin.z > up.z;
+            let exact = eye.z - tree_origin.z == up.z;
             for way in [DVec3::NEG_Z, DVec3::Z] {
                 let camera = camera(eye, eye + way * 4.0, Projection::Orthographic);
-                let is = |number, corners| EdgeOn::new(&camera, frame).is(number, corners);
+                let is = |number, corners| EdgeOn::new(&camera, tree_origin).is(number, corners);
                 let behind = if way.z < 0.0 { !is_above } else { is_above };
-                assert_eq!(is(0, at), exact || behind, "{frame} {way}");
+                assert_eq!(is(0, at), exact || behind, "{tree_origin} {way}");
                 assert_eq!(is(1, next), way.z < 0.0);
                 let [a, b, c] = at;
                 let spans = is(2, [a, b.with_z(1e5), c.with_z(-1e5)]);

@@ -13,12 +13,12 @@ use std::cmp::Ordering;
 
 /// Three corners in single precision, relative to a point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedTriangle {
     pub(crate) corners: [Vec3; 3],
     pub(crate) origin: DVec3,
 }
 
-impl Placed {
+impl PlacedTriangle {
     fn vectors(&self) -> [DVec3; 4] {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         [a, b, c, self.origin]
@@ -35,10 +35,15 @@ impl Placed {
 
 /// Where `ray` hits a triangle: parameter and weights, rounded to within a unit in the last place. `None` where it
 /// misses, or hits outside the ray's range.
-pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, primitive: u32) -> Option<Nearest> {
+pub(crate) fn hit(
+    ray: &Ray,
+    placed: &PlacedTriangle,
+    cull: Cull,
+    primitive: u32,
+) -> Option<Nearest> {
     fn of<I: Integer>(
         ray: &Ray,
-        placed: &Placed,
+        placed: &PlacedTriangle,
         cull: Cull,
         primitive: u32,
         (lengths, directions): (Scale, Scale),
@@ -54,10 +59,15 @@ pub(crate) fn hit(ray: &Ray, placed: &Placed, cull: Cull, primitive: u32) -> Opt
 }
 
 /// Which of two triangles `ray` hits first; `None` unless it hits both.
-pub(crate) fn compare(ray: &Ray, a: &Placed, b: &Placed, cull: Cull) -> Option<Ordering> {
+pub(crate) fn compare(
+    ray: &Ray,
+    a: &PlacedTriangle,
+    b: &PlacedTriangle,
+    cull: Cull,
+) -> Option<Ordering> {
     fn of<I: Integer>(
         ray: &Ray,
-        [a, b]: [&Placed; 2],
+        [a, b]: [&PlacedTriangle; 2],
         cull: Cull,
         (lengths, directions): (Scale, Scale),
     ) -> Option<Ordering> {
@@ -73,7 +83,7 @@ pub(crate) fn compare(ray: &Ray, a: &Placed, b: &Placed, cull: Cull) -> Option<O
     )
 }
 
-fn scales(ray: &Ray, all: &[&Placed]) -> (Scale, Scale) {
+fn scales(ray: &Ray, all: &[&PlacedTriangle]) -> (Scale, Scale) {
     let corners = all.iter().flat_map(|placed| placed.vectors());
     let lengths = corners.chain([ray.origin]).flat_map(|v| v.to_array());
     (Scale::of(lengths), Scale::of_vectors([&ray.direction]))
@@ -83,12 +93,12 @@ fn scales(ray: &Ray, all: &[&Placed]) -> (Scale, Scale) {
 ///
 /// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from the eye hit such a triangle at t = 0
 /// or, where all three weights are zero, not at all.
-pub(crate) fn plane_contains(eye: DVec3, placed: &Placed) -> bool {
-    fn of<I: Integer>(eye: DVec3, placed: &Placed, lengths: Scale) -> bool {
+pub(crate) fn plane_contains(eye: DVec3, placed: &PlacedTriangle) -> bool {
+    fn of<I: Integer>(eye: DVec3, placed: &PlacedTriangle, lengths: Scale) -> bool {
         let [a, b, c] = placed.relative_to::<I>(eye, lengths);
         dot(&a, &cross(&b, &c)).sign() == Ordering::Equal
     }
-    let Placed { corners, origin } = *placed;
+    let PlacedTriangle { corners, origin } = *placed;
     // The difference mostly is a double, and then with far fewer digits than its two terms have between them.
     let lost = |axis| DoubleDouble::difference(eye[axis], origin[axis]).low != 0.0;
     if !(0..3).any(lost) {
@@ -159,7 +169,7 @@ impl<I: Integer> ExactHit<I> {
     /// parameter is A·(B×C) / (d·n).
     fn new(
         ray: &Ray,
-        placed: &Placed,
+        placed: &PlacedTriangle,
         cull: Cull,
         lengths: Scale,
         directions: Scale,
@@ -249,8 +259,8 @@ mod tests {
     use crate::random::Random;
     use num_bigint::BigInt;
 
-    fn placed(corners: [Vec3; 3], origin: DVec3) -> Placed {
-        Placed { corners, origin }
+    fn placed(corners: [Vec3; 3], origin: DVec3) -> PlacedTriangle {
+        PlacedTriangle { corners, origin }
     }
 
     #[test]

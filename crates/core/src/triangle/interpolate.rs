@@ -98,11 +98,11 @@ impl RowPlaces {
     }
 }
 
-/// Interpolates each ray's hit at the triangle in its lane. Corners are relative to `frame`.
+/// Interpolates each ray's hit at the triangle in its lane. Corners are relative to `tree_origin`.
 #[inline(always)]
 pub(crate) fn interpolate_row(
     camera: &Camera,
-    frame: DVec3,
+    tree_origin: DVec3,
     places: RowPlaces,
     corners: &Corners,
 ) -> RowHits {
@@ -111,12 +111,18 @@ pub(crate) fn interpolate_row(
     let rays = (places, &[[0.0; LANES]; 3]);
     // Neighbouring rays nearly always share their major axis; a lane that does not is left to the single ray.
     match (major_axis(x, y, z), camera.projection()) {
-        (0, Projection::Perspective) => interpolate::<0, FROM_EYE>(camera, frame, rays, corners),
-        (1, Projection::Perspective) => interpolate::<1, FROM_EYE>(camera, frame, rays, corners),
-        (_, Projection::Perspective) => interpolate::<2, FROM_EYE>(camera, frame, rays, corners),
-        (0, _) => interpolate::<0, PARALLEL>(camera, frame, rays, corners),
-        (1, _) => interpolate::<1, PARALLEL>(camera, frame, rays, corners),
-        (_, _) => interpolate::<2, PARALLEL>(camera, frame, rays, corners),
+        (0, Projection::Perspective) => {
+            interpolate::<0, FROM_EYE>(camera, tree_origin, rays, corners)
+        }
+        (1, Projection::Perspective) => {
+            interpolate::<1, FROM_EYE>(camera, tree_origin, rays, corners)
+        }
+        (_, Projection::Perspective) => {
+            interpolate::<2, FROM_EYE>(camera, tree_origin, rays, corners)
+        }
+        (0, _) => interpolate::<0, PARALLEL>(camera, tree_origin, rays, corners),
+        (1, _) => interpolate::<1, PARALLEL>(camera, tree_origin, rays, corners),
+        (_, _) => interpolate::<2, PARALLEL>(camera, tree_origin, rays, corners),
     }
 }
 
@@ -125,16 +131,16 @@ pub(crate) fn interpolate_row(
 #[inline(always)]
 pub(crate) fn interpolate_around(
     camera: &Camera,
-    frame: DVec3,
+    tree_origin: DVec3,
     (directions, lane): (&Vectors, usize),
     corners: &Corners,
 ) -> RowHits {
     let [x, y, z] = directions.map(|all| all[lane % LANES]);
     let rays = (RowPlaces::NONE, directions);
     match major_axis(x, y, z) {
-        0 => interpolate::<0, AROUND>(camera, frame, rays, corners),
-        1 => interpolate::<1, AROUND>(camera, frame, rays, corners),
-        _ => interpolate::<2, AROUND>(camera, frame, rays, corners),
+        0 => interpolate::<0, AROUND>(camera, tree_origin, rays, corners),
+        1 => interpolate::<1, AROUND>(camera, tree_origin, rays, corners),
+        _ => interpolate::<2, AROUND>(camera, tree_origin, rays, corners),
     }
 }
 
@@ -151,7 +157,7 @@ const AROUND: u8 = 2;
 )]
 fn interpolate<const MAJOR: usize, const RAYS: u8>(
     camera: &Camera,
-    frame: DVec3,
+    tree_origin: DVec3,
     (places, directions): (RowPlaces, &Vectors),
     corners: &Corners,
 ) -> RowHits {
@@ -159,8 +165,8 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
     let [right, up, forward] =
         [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
     let eye = camera.placement().eye.to_array();
-    let frame = frame.to_array();
-    let off = if frame == [0.0; 3] { 0.0 } else { 1.0 };
+    let tree_origin = tree_origin.to_array();
+    let off = if tree_origin == [0.0; 3] { 0.0 } else { 1.0 };
     let distance = camera.distance();
     let mut hits = RowHits::NONE;
     for lane in 0..LANES {
@@ -187,9 +193,9 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
         let [x, y, z] = direction;
         let same_major = major_axis(x, y, z) == MAJOR;
         let o = [
-            origin[0] - frame[0],
-            origin[1] - frame[1],
-            origin[2] - frame[2],
+            origin[0] - tree_origin[0],
+            origin[1] - tree_origin[1],
+            origin[2] - tree_origin[2],
         ];
         let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
         let origin_error = far * (f64::EPSILON / 2.0) * off;

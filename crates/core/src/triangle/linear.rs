@@ -75,12 +75,12 @@ pub(crate) struct PencilRow {
 
 impl Pencil {
     /// The rays of a lattice; `None` unless they share an eye.
-    pub(crate) fn new(lattice: &Lattice, frame: DVec3) -> Option<Self> {
+    pub(crate) fn new(lattice: &Lattice, tree_origin: DVec3) -> Option<Self> {
         let camera = &lattice.camera;
         if camera.projection() != Projection::Perspective || lattice.is_empty() {
             return None;
         }
-        let (eye, eye_error) = relative_origin(camera.placement().eye, frame);
+        let (eye, eye_error) = relative_origin(camera.placement().eye, tree_origin);
         let [first, last] =
             [(0, 0), (lattice.columns - 1, lattice.rows - 1)].map(|(column, row)| {
                 let (x, y) = lattice.place(column, row);

@@ -20,7 +20,7 @@ pub(crate) const SCENES: [(DVec3, f64); 3] = [
 /// triangle's size away to close by.
 pub(crate) fn triangle_and_rays(
     random: &mut Random,
-    (frame, place): (DVec3, f64),
+    (tree_origin, place): (DVec3, f64),
 ) -> ([Vec3; 3], Lattice) {
     let decades = |random: &mut Random, most: f64| crate::math::pow(10.0, most * random.unit());
     let size = place.max(4.0) * decades(random, -5.0);
@@ -37,7 +37,7 @@ pub(crate) fn triangle_and_rays(
     let away = in_plane + normal * (random.signed() * decades(random, -4.0));
     let distance = size * decades(random, 15.0) * 1e-10;
     let distance = distance.max(place * 1e-12).max(1e-12);
-    let target = frame + target;
+    let target = tree_origin + target;
     let placement = Placement {
         eye: target + away.normalize_or(DVec3::X) * distance,
         target,

@@ -12,7 +12,7 @@ mod order;
 use super::Nearest;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
-use super::exact::{self, Placed};
+use super::exact::{self, PlacedTriangle};
 use crate::hit::{Cull, Precision};
 use crate::ray::{Ray, relative_origin};
 use glam::{DVec3, Vec3};
@@ -28,8 +28,8 @@ pub(crate) struct PreparedRay {
     /// The ray as given, in world space.
     pub(crate) ray: Ray,
     /// The point that corners are relative to, in world space.
-    frame: DVec3,
-    /// The ray's origin relative to `frame`, rounded.
+    tree_origin: DVec3,
+    /// The ray's origin relative to `tree_origin`, rounded.
     pub(crate) origin: DVec3,
     /// Bound on the error of its coordinates.
     pub(crate) origin_error: f64,
@@ -56,12 +56,17 @@ enum Verdict {
 }
 
 impl PreparedRay {
-    /// Prepares a ray for triangles whose corners are relative to `frame`. `None` if the ray is not valid.
-    pub(crate) fn new(ray: &Ray, frame: DVec3, cull: Cull, precision: Precision) -> Option<Self> {
+    /// Prepares a ray for triangles whose corners are relative to `tree_origin`. `None` if the ray is not valid.
+    pub(crate) fn new(
+        ray: &Ray,
+        tree_origin: DVec3,
+        cull: Cull,
+        precision: Precision,
+    ) -> Option<Self> {
         if !ray.is_valid() {
             return None;
         }
-        let (origin, origin_error) = relative_origin(ray.origin, frame);
+        let (origin, origin_error) = relative_origin(ray.origin, tree_origin);
         let DVec3 { x, y, z } = ray.direction;
         let major = major_axis(x, y, z);
         let d = ray.direction.to_array();
@@ -70,7 +75,7 @@ impl PreparedRay {
         let shear = [d[kx] / advance, d[ky] / advance];
         Some(Self {
             ray: *ray,
-            frame,
+            tree_origin,
             origin,
             origin_error,
             major,
@@ -150,7 +155,8 @@ impl PreparedRay {
         let Ray {
             origin, direction, ..
         } = self.ray;
-        let determinants = Determinants::in_double_double(origin, direction, corners, self.frame);
+        let determinants =
+            Determinants::in_double_double(origin, direction, corners, self.tree_origin);
         self.intersect_by_determinants(primitive, determinants)
     }
 
@@ -218,10 +224,10 @@ impl PreparedRay {
     }
 
     /// The triangle with these corners, for exact arithmetic.
-    fn placed(&self, corners: [Vec3; 3]) -> Placed {
-        Placed {
+    fn placed(&self, corners: [Vec3; 3]) -> PlacedTriangle {
+        PlacedTriangle {
             corners,
-            origin: self.frame,
+            origin: self.tree_origin,
         }
     }
 
@@ -395,10 +401,10 @@ mod tests {
     #[test]
     fn what_double_precision_decides_is_what_integers_decide() {
         let mut random = Random(61);
-        for (frame, place) in [
+        for (tree_origin, place) in [
             (DVec3::ZERO, 0.0),
             (DVec3::ZERO, 1e6),
-            // Corners are stored relative to the frame, where the eye's position is rounded.
+            // Corners are stored relative to the tree's origin, where the eye's position is rounded.
             (DVec3::new(1e7, -0.1, 3e3), 2e7),
             (DVec3::new(1e-9, 2e-9, -1e-9), 3e7),
         ] {
@@ -417,7 +423,7 @@ mod tests {
                     // Seen along z, all corners have the same depth.
                     corners = corners.map(|corner| corner.with_z(corners[0].z));
                 }
-                let [a, b, c] = corners.map(|corner| frame + corner.as_dvec3());
+                let [a, b, c] = corners.map(|corner| tree_origin + corner.as_dvec3());
                 let target = match (random.unit() * 4.0) as u32 {
                     0 => a,
                     1 => a + (b - a) * random.unit(),
@@ -431,9 +437,9 @@ mod tests {
                     1 => target + beside,
                     2 => {
                         let distance = size * crate::math::pow(10.0, 1.0 + 8.0 * random.unit());
-                        frame + middle + random.point() * distance
+                        tree_origin + middle + random.point() * distance
                     }
-                    _ => frame + middle + random.point() * (size * 10.0),
+                    _ => tree_origin + middle + random.point() * (size * 10.0),
                 };
                 let mut ray = Ray::new(origin, target - origin);
                 if random.unit() < 0.3 {
@@ -445,7 +451,7 @@ mod tests {
                         (0.0, t)
                     };
                 }
-                let prepared = PreparedRay::new(&ray, frame, Cull::None, Precision::Exact);
+                let prepared = PreparedRay::new(&ray, tree_origin, Cull::None, Precision::Exact);
                 let prepared = prepared.expect("a valid ray");
                 let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
                 let verdicts = [

@@ -16,7 +16,7 @@ use crate::formats::files::Files;
 use crate::formats::kind::GLB_SIGNATURE;
 use crate::formats::lines::without_mark;
 use crate::formats::parsed::BLENDED;
-use crate::formats::placed::{Placed, PlacedMesh};
+use crate::formats::placed_meshes::{PlacedMesh, PlacedMeshes};
 use crate::quote;
 use data::Data;
 use json::Root;
@@ -60,7 +60,7 @@ pub(super) fn read(
     bytes: &[u8],
     files: &dyn Files,
     progress: Progress<'_>,
-) -> Result<Placed, FormatError> {
+) -> Result<PlacedMeshes, FormatError> {
     let (json, binary) = match bytes.starts_with(GLB_SIGNATURE) {
         true => chunks(path, bytes)?,
         false => (without_mark(bytes), None),
@@ -73,7 +73,7 @@ pub(super) fn read(
     let mesh_nodes = nodes::mesh_nodes(&data)?;
     let mut materials = Materials::new(&data);
     let mut skipped = Skipped::default();
-    let mut placed = Placed::default();
+    let mut placed = PlacedMeshes::default();
     let mut meshes: HashMap<u32, usize> = HashMap::new();
     for (done, node) in mesh_nodes.iter().enumerate() {
         progress(done as f32 / mesh_nodes.len() as f32);

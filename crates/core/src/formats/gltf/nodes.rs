@@ -3,7 +3,7 @@
 use super::data::Data;
 use super::json::Node;
 use crate::formats::error::FormatError;
-use crate::formats::placed::NODE_LIMIT;
+use crate::formats::placed_meshes::NODE_LIMIT;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// A node with a mesh.

@@ -9,7 +9,7 @@ use super::length_unit::LengthUnit;
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::limits::Budget;
-use crate::formats::placed::{NODE_LIMIT, Placed, PlacedMesh};
+use crate::formats::placed_meshes::{NODE_LIMIT, PlacedMesh, PlacedMeshes};
 use crate::quote;
 use crate::scene::MeshData;
 use glam::DAffine3;
@@ -47,7 +47,7 @@ pub(super) fn read(
     bytes: &[u8],
     budget: &Budget,
     progress: Progress<'_>,
-) -> Result<Placed, FormatError> {
+) -> Result<PlacedMeshes, FormatError> {
     let mut package = Package::open(path, bytes, budget)?;
     let root = package.model()?;
     let mut models = Models::default();
@@ -77,7 +77,7 @@ pub(super) fn read(
     let root = model(&mut package, &mut models, &root)?;
     progress(0.5);
 
-    let mut placed = Placed::default();
+    let mut placed = PlacedMeshes::default();
     let mut on_the_way: HashSet<(usize, u32)> = HashSet::new();
     let mut steps: Vec<Step> = Vec::new();
     let mut count = 0;
@@ -189,7 +189,7 @@ fn name_the_nameless(path: &Path, nodes: &mut [PlacedMesh]) {
 }
 
 /// Adds warnings about contents that are not shown, and notes about metadata.
-fn report(path: &Path, models: &Models, root: usize, placed: &mut Placed) {
+fn report(path: &Path, models: &Models, root: usize, placed: &mut PlacedMeshes) {
     let mixed: usize = models.models.iter().map(|model| model.mixed).sum();
     if mixed > 0 {
         placed.warnings.push(format!(

@@ -1,6 +1,6 @@
 use crate::formats::LengthUnit;
 use crate::formats::limits::{Budget, Limits};
-use crate::formats::placed::Placed;
+use crate::formats::placed_meshes::PlacedMeshes;
 use crate::scene::Color;
 use glam::DVec3;
 use std::io::{Cursor, Write};
@@ -44,11 +44,11 @@ fn object(id: u32, of_object: &str, of_triangle: &str) -> String {
     )
 }
 
-fn read_bytes(bytes: &[u8], budget: &Budget) -> Result<Placed, String> {
+fn read_bytes(bytes: &[u8], budget: &Budget) -> Result<PlacedMeshes, String> {
     super::read(Path::new("a.3mf"), bytes, budget, &|_| ()).map_err(|error| error.to_string())
 }
 
-fn read(model: &str) -> Result<Placed, String> {
+fn read(model: &str) -> Result<PlacedMeshes, String> {
     let bytes = archive(&[("_rels/.rels", RELATIONSHIPS), ("3D/m.model", model)]);
     read_bytes(&bytes, &Budget::default())
 }

@@ -15,8 +15,8 @@ use glam::DVec3;
 
 /// A window of the image plane that contains the places of a rectangle's rays through a lens; `None` where only the
 /// rays themselves tell.
-fn window(rays: &PanoramaRays, part: &RayRect) -> Option<Window> {
-    let [across, along] = rays.window(part.rect())?;
+fn window(rays: &PanoramaRays, packet: &RayRect) -> Option<Window> {
+    let [across, along] = rays.window(packet.rect())?;
     Some(Window { across, along })
 }
 
@@ -43,38 +43,41 @@ impl Work for FindAround<'_> {
             || vec![whole],
             |faces| faces.into_iter().map(RayRect::of).collect(),
         );
+        let cone = |packet: &RayRect| {
+            let (axis, tangent) = rays.cone(packet.rect())?;
+            Some((in_world(axis).normalize_or_zero(), tangent))
+        };
         for large in faces.into_iter().flat_map(|face| face.split(LARGE_SIDE)) {
-            let window = window(&rays, &large);
-            let may_hit = match &window {
+            let may_hit = match &window(&rays, &large) {
                 Some(window) => traversal.find_entry_points_through(lanes, &plane, window),
-                None => {
-                    let cone = rays.cone(large.rect());
-                    let in_world = |(axis, tangent)| (in_world(axis).normalize_or_zero(), tangent);
-                    traversal.find_entry_points_around(lanes, cone.map(in_world))
-                }
+                None => traversal.find_entry_points_around(lanes, cone(&large)),
             };
             if !may_hit {
                 continue;
             }
             rest.extend(large.split(SIDE as u32));
-            while let Some(part) = rest.pop() {
+            while let Some(packet) = rest.pop() {
                 // Rejects most packets beside a mesh before their rays are computed.
-                let part_window = window.and_then(|_| self::window(&rays, &part));
-                if let Some(window) = part_window
-                    && !traversal.may_hit(lanes, &plane, &window)
-                {
+                let may_hit = match window(&rays, &packet) {
+                    Some(window) => traversal.may_hit(lanes, &plane, &window),
+                    None => match cone(&packet) {
+                        Some(cone) => traversal.may_hit_around(lanes, cone),
+                        None => true,
+                    },
+                };
+                if !may_hit {
                     continue;
                 }
-                match places.find(lanes, (camera, &rays), part.rect()) {
+                match places.find(lanes, (camera, &rays), packet.rect()) {
                     Fit::Empty => {}
-                    Fit::Wide if part.columns.max(part.rows) > ROW as u32 => {
-                        let half = part.columns.max(part.rows).div_ceil(2);
-                        rest.extend(part.split(half));
+                    Fit::Wide if packet.columns.max(packet.rows) > ROW as u32 => {
+                        let half = packet.columns.max(packet.rows).div_ceil(2);
+                        rest.extend(packet.split(half));
                     }
-                    Fit::Wide => find.cast_each(&part),
+                    Fit::Wide => find.cast_each(&packet),
                     Fit::Packet => {
                         if traversal.cast_at_places(lanes, &places, find.cull, &mut zbuffer) {
-                            find.keep(&part, &mut zbuffer);
+                            find.keep(&packet, &mut zbuffer);
                         }
                     }
                 }

@@ -198,8 +198,8 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             let directions = rays.eight_in_world(column, row);
             let corners = self.corners(lanes, primitives);
             let first = (primitives.iter().position(|&it| it != MISS)).unwrap_or_default();
-            let (camera, frame) = (&self.lattice.camera, self.accel.origin);
-            interpolate_around(camera, frame, (&directions, first), &corners)
+            let (camera, tree_origin) = (&self.lattice.camera, self.accel.origin);
+            interpolate_around(camera, tree_origin, (&directions, first), &corners)
         } else {
             let places = RowPlaces::new(self.lattice, column, row);
             match self.linear(places, pencil_row, primitives) {

@@ -17,6 +17,7 @@ use super::{ALL, IntervalZBuffer, ROW, SIDE, UNDECIDED, for_each_bit, stored_pri
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
+use crate::packet::placed_triangles::SmallTriangle;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
 use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
@@ -99,6 +100,65 @@ impl IntervalZBuffer {
             }
         }
         self.update_hi_z(lanes);
+    }
+
+    /// Merges a small triangle into the rays within its bounds, which lie in these cells (as bits). Returns whether any of
+    /// them may hit it.
+    #[inline(always)]
+    pub(in crate::packet) fn rasterize_small_at(
+        &mut self,
+        lanes: impl Lanes,
+        places: &Places,
+        (triangle, primitive): (SmallTriangle<'_>, u32),
+        (mut cells, bounds): (u32, &PlaceBox),
+        decisions: &mut Decisions<'_>,
+    ) -> bool {
+        let [e, f, g] = triangle.edges();
+        let [base, by_third, by_first] = triangle.depth_key();
+        let edge_error = triangle.edge_error();
+        let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
+        let (left, right) = (lanes.splat(bounds.left), lanes.splat(bounds.right));
+        let (top, bottom) = (lanes.splat(bounds.top), lanes.splat(bounds.bottom));
+        let never = lanes.splat(f32::NEG_INFINITY);
+        let merge = DepthMerge::of(lanes, primitive, triangle.depth_key_error(), self.start_key);
+        let mut any = false;
+        while cells != 0 {
+            let cell = cells.trailing_zeros() as usize % ALL_CELLS;
+            cells &= cells - 1;
+            let mut rows = places.rows_touched(lanes, cell, bounds);
+            while rows != 0 {
+                let first = first_of(cell, rows.trailing_zeros() as usize);
+                rows &= rows - 1;
+                let (x, y) = places.eight(first);
+                let at = (lanes.load(x), lanes.load(y));
+                let beside = at.0.lt(left) | right.lt(at.0) | at.1.lt(top) | bottom.lt(at.1);
+                if beside.bits() & ALL == ALL {
+                    continue;
+                }
+                let (a, b, c) = (
+                    value(lanes, e, at),
+                    value(lanes, f, at),
+                    value(lanes, g, at),
+                );
+                // The functions' errors are bounded within the bounds alone.
+                let least = beside.select(never, a.min(b).min(c));
+                let outside = least.lt(minus_error);
+                if outside.bits() & ALL == ALL {
+                    continue;
+                }
+                any = true;
+                let inside = error.lt(least);
+                let (low, high, primitives) = self.rays_of_row(first);
+                let near = lanes.splat(base) + (c * by_third + a * by_first);
+                let sides = Some((inside, outside));
+                let undecided = merge.row(lanes, near, sides, low, high, primitives);
+                if undecided.rays != 0 {
+                    self.leave_undecided(primitive, undecided, (first, (x, y)), decisions);
+                }
+                self.dirty |= 1 << cell;
+            }
+        }
+        any
     }
 
     /// Rasterises a triangle, or the part that clipping planes keep of it, cell by cell.
@@ -196,9 +256,7 @@ impl IntervalZBuffer {
         while rows != 0 {
             let first = first_of(cell, rows.trailing_zeros() as usize);
             rows &= rows - 1;
-            let Some((x, y)) = places.eight(first) else {
-                return;
-            };
+            let (x, y) = places.eight(first);
             let at = (lanes.load(x), lanes.load(y));
             let (a, b, c) = (
                 value(lanes, e, at),
@@ -217,9 +275,7 @@ impl IntervalZBuffer {
                 outside = outside | value.lt(lanes.splat(-cut.error));
                 inside = inside & lanes.splat(cut.error).lt(value);
             }
-            let Some((low, high, primitives)) = self.rays(first) else {
-                return;
-            };
+            let (low, high, primitives) = self.rays_of_row(first);
             let near = value(lanes, depth_key, at);
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
@@ -242,11 +298,8 @@ impl IntervalZBuffer {
         let merge = DepthMerge::new(lanes, functions, self.start_key);
         for row in 0..ROW {
             let first = first_of(cell, row);
-            let (Some((x, y)), Some((low, high, primitives))) =
-                (places.eight(first), self.rays(first))
-            else {
-                return;
-            };
+            let (x, y) = places.eight(first);
+            let (low, high, primitives) = self.rays_of_row(first);
             let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
             let undecided = merge.row(lanes, near, None, low, high, primitives);
             if undecided.rays != 0 {

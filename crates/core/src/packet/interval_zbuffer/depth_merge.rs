@@ -24,9 +24,20 @@ pub(super) struct DepthMerge<L: Lanes> {
 impl<L: Lanes> DepthMerge<L> {
     #[inline(always)]
     pub(super) fn new(lanes: L, functions: &EdgeFunctions, start_key: f32) -> Self {
+        Self::of(
+            lanes,
+            functions.primitive,
+            functions.depth_key_error,
+            start_key,
+        )
+    }
+
+    /// For a triangle whose depth key is off by at most `error`.
+    #[inline(always)]
+    pub(super) fn of(lanes: L, primitive: u32, error: f32, start_key: f32) -> Self {
         Self {
-            primitive: functions.primitive,
-            error: lanes.splat(functions.depth_key_error),
+            primitive,
+            error: lanes.splat(error),
             start_key: lanes.splat(start_key),
             never: lanes.splat(f32::NEG_INFINITY),
         }

@@ -173,9 +173,7 @@ impl Places {
             while rows != 0 {
                 let first = first_of(cell, rows.trailing_zeros() as usize);
                 rows &= rows - 1;
-                let Some((x, y)) = self.eight(first) else {
-                    return true;
-                };
+                let (x, y) = self.eight(first);
                 let (x, y) = (lanes.load(x), lanes.load(y));
                 let beside = x.lt(left) | right.lt(x) | y.lt(top) | bottom.lt(y);
                 if beside.bits() & ((1 << LANES) - 1) != (1 << LANES) - 1 {

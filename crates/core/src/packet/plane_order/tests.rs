@@ -5,7 +5,7 @@ use crate::math;
 use crate::packet::params::SIDE;
 use crate::packet::setup_tests::{camera, space};
 use crate::random::Random;
-use crate::triangle::exact::{self, Placed};
+use crate::triangle::exact::{self, PlacedTriangle};
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -74,7 +74,7 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
             let mut orders = PlaneOrders::new();
             orders.set_rays(&space);
             let corners = |primitive: u32| pair[primitive as usize];
-            let placed = pair.map(|corners| Placed {
+            let placed = pair.map(|corners| PlacedTriangle {
                 corners,
                 origin: DVec3::ZERO,
             });
@@ -144,7 +144,7 @@ fn planes_next_to_the_eye_are_ordered_as_exact_arithmetic_orders_them() {
         let space = space(&camera, DVec3::ZERO, Cull::None);
         let mut orders = PlaneOrders::new();
         orders.set_rays(&space);
-        let placed = pair.map(|corners| Placed {
+        let placed = pair.map(|corners| PlacedTriangle {
             corners,
             origin: DVec3::ZERO,
         });
@@ -181,7 +181,7 @@ fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
         let mut number = || random.signed() * math::pow(10.0, 18.0 * random.signed());
         let mut corner = || (eye + DVec3::new(number(), number(), number())).as_vec3();
         let triangles: Vec<[Vec3; 3]> = (0..40).map(|_| [(); 3].map(|()| corner())).collect();
-        let placed = |triangle: u32| Placed {
+        let placed = |triangle: u32| PlacedTriangle {
             corners: triangles[triangle as usize],
             origin: DVec3::ZERO,
         };

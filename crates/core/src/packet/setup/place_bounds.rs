@@ -14,6 +14,7 @@
 )]
 
 use super::{CornerLanes, LANES, PacketSpace, max, max3};
+use crate::num::simd::F32x8;
 use crate::packet::place_box::PlaceBox;
 
 /// The least ratio of a corner's depth to its error at which its place is used. With a lesser one the factor 1.001 of
@@ -43,6 +44,18 @@ impl PlaceBounds {
         nearest: [0.0; LANES],
         seen: 0,
     };
+
+    /// Those of eight triangles, projected in single precision: left, right, top, bottom and the nearest depth key.
+    #[inline(always)]
+    pub(in crate::packet) fn store<F: F32x8>(&mut self, bounds: [F; 5], seen: u32) {
+        let [left, right, top, bottom, nearest] = bounds;
+        left.store(&mut self.left);
+        right.store(&mut self.right);
+        top.store(&mut self.top);
+        bottom.store(&mut self.bottom);
+        nearest.store(&mut self.nearest);
+        self.seen = seen;
+    }
 
     /// Bounds of one triangle.
     #[inline(always)]
@@ -117,7 +130,7 @@ mod tests {
     use crate::packet::setup_tests::{lanes_of, space};
     use crate::random::Random;
     use crate::ray::Ray;
-    use crate::triangle::exact::{self, Placed};
+    use crate::triangle::exact::{self, PlacedTriangle};
     use glam::{DVec3, Vec3};
 
     fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
@@ -128,14 +141,14 @@ mod tests {
     /// Returns whether the ray hits.
     fn holds(
         space: &PacketSpace,
-        frame: DVec3,
+        tree_origin: DVec3,
         corners: [Vec3; 3],
         ray: &Ray,
         place: [f64; 2],
     ) -> bool {
-        let placed = Placed {
+        let placed = PlacedTriangle {
             corners,
-            origin: frame,
+            origin: tree_origin,
         };
         let Some(hit) = exact::hit(ray, &placed, Cull::None, 0) else {
             return false;
@@ -177,7 +190,7 @@ mod tests {
         let mut hits = 0;
         for round in 0..6000 {
             let is_far = round % 2 == 0;
-            let frame = if is_far {
+            let tree_origin = if is_far {
                 DVec3::new(1e-9, 2e-9, -1e-9)
             } else {
                 DVec3::ZERO
@@ -190,21 +203,21 @@ mod tests {
             let a = (middle + random.point() * 1000.0).as_vec3();
             let way = random.point().normalize();
             let distance = decades(&mut random, -3.3, 3.0);
-            let eye = frame + a.as_dvec3() - way * distance;
+            let eye = tree_origin + a.as_dvec3() - way * distance;
             let [b, c] = [(); 2].map(|()| {
                 let out = random.point() * 100.0 + way * 200.0;
                 (a.as_dvec3() + out).as_vec3()
             });
             let pitch = distance * decades(&mut random, -10.0, -3.0);
             let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
-            let placement = Placement::towards(eye, frame + a.as_dvec3());
+            let placement = Placement::towards(eye, tree_origin + a.as_dvec3());
             let camera = Camera::new(placement, Projection::Perspective, plane);
-            let space = space(&camera, frame, Cull::None);
+            let space = space(&camera, tree_origin, Cull::None);
             // The view axis goes through the corner except for rounding.
             for aside in [0.0, 1e-4, -1e-4] {
                 let ray = camera.ray(16.0 + aside, 16.0 - aside);
                 let place = [15.5 + aside, 15.5 - aside];
-                hits += usize::from(holds(&space, frame, [a, b, c], &ray, place));
+                hits += usize::from(holds(&space, tree_origin, [a, b, c], &ray, place));
             }
         }
         assert!(hits > 1000, "{hits}");
@@ -239,7 +252,7 @@ mod tests {
     fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {
         let mut random = Random(94);
         let mut hits = 0;
-        let frame = DVec3::X * 1e-9;
+        let tree_origin = DVec3::X * 1e-9;
         for _ in 0..20_000 {
             // Coordinates there are multiples of 2⁻²⁸, and the eye is half of that beside one.
             let x = f64::from(1 << 25);
@@ -257,10 +270,10 @@ mod tests {
                 Projection::Perspective,
                 plane,
             );
-            let space = space(&camera, frame, Cull::None);
+            let space = space(&camera, tree_origin, Cull::None);
             let (x, y) = (random.unit() * 31.0, random.unit() * 31.0);
             let ray = camera.ray(x + 0.5, y + 0.5);
-            hits += usize::from(holds(&space, frame, corners, &ray, [x, y]));
+            hits += usize::from(holds(&space, tree_origin, corners, &ray, [x, y]));
         }
         assert!(hits > 10, "{hits}");
     }

@@ -10,9 +10,11 @@ use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::ROW;
 use crate::packet::place_box::PlaceBox;
+use crate::packet::placed_triangles::PlacedTriangles;
 use crate::packet::places::Places;
+use crate::packet::ray_bounds::Projector;
 use crate::packet::ray_rect::RayRect;
-use crate::packet::setup::place_bounds::PlaceBounds;
+use glam::DVec3;
 
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
     /// The viewpoint of a camera with the same eye and other axes.
@@ -43,6 +45,20 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         false
     }
 
+    /// As [`Self::may_hit`], for rays within a cone around an axis in world space, of this tangent.
+    #[inline(always)]
+    pub(in crate::packet) fn may_hit_around(
+        &self,
+        lanes: impl Lanes,
+        (axis, tangent): (DVec3, f64),
+    ) -> bool {
+        let window = Window {
+            across: (-tangent, tangent),
+            along: (-tangent, tangent),
+        };
+        self.may_hit(lanes, &Camera::along(axis), &window)
+    }
+
     /// Casts a panorama's packet from the entry points of its large packet. Returns `false`, and leaves `zbuffer`
     /// unchanged, where no triangle is near its rays.
     #[inline(always)]
@@ -71,23 +87,35 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             columns: places.columns,
             rows: places.rows_of_rays,
         };
-        let mut bounds = PlaceBounds::NONE;
+        let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
+        let projector = Projector::new(&space, nearest);
+        let mut placed = PlacedTriangles::NONE;
         let mut boxes = [PlaceBox::EMPTY; LANES];
         let mut begun = false;
         loop {
             let mut covered = 0;
             while self.queued.len < LANES {
-                if bounds.seen != 0 {
-                    let lane = bounds.seen.trailing_zeros() as usize & (LANES - 1);
-                    bounds.seen &= bounds.seen - 1;
-                    let near = self.reference.relative_above(bounds.nearest[lane]);
-                    let around = bounds.of(lane);
+                if placed.bounds.seen != 0 {
+                    let lane = placed.bounds.seen.trailing_zeros() as usize & (LANES - 1);
+                    placed.bounds.seen &= placed.bounds.seen - 1;
+                    let primitive = self.batch.primitives[lane];
+                    let near = (self.reference).relative_above(placed.bounds.nearest[lane]);
+                    let around = placed.bounds.of(lane);
                     let cells = places.cells_touched(lanes, &around);
-                    if !zbuffer.occludes_cells(lanes, cells, near)
-                        && places.has_ray_within(lanes, cells, &around)
-                    {
+                    if zbuffer.occludes_cells(lanes, cells, near) {
+                        continue;
+                    }
+                    if placed.small >> lane & 1 != 0 {
+                        let small = (placed.small(lane), primitive);
+                        let decisions = &mut self.decisions;
+                        let within = (cells, &around);
+                        if zbuffer.rasterize_small_at(lanes, places, small, within, decisions) {
+                            descent.merged_small = true;
+                            self.counts.triangles += 1;
+                        }
+                    } else if places.has_ray_within(lanes, cells, &around) {
                         boxes[self.queued.len & (LANES - 1)] = around;
-                        self.queued.push(self.batch.primitives[lane]);
+                        self.queued.push(primitive);
                         covered += (cells.count_ones() as usize * ROW) as i32;
                     }
                     continue;
@@ -108,7 +136,16 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                     zbuffer.clear_places(lanes, places);
                 }
                 let corners = self.corners(lanes, Batch::primitives(&self.batch));
-                space.bound_places(&corners, self.batch.len, &mut bounds);
+                let count = self.batch.len;
+                if !placed.project(lanes, &projector, &corners, count, &places.around) {
+                    space.bound_places(&corners, count, &mut placed.bounds);
+                }
+                // Depth keys of small triangles are too coarse to be relative, and what clipping planes cut has further edges.
+                placed.small &= if self.reference.is_zero() {
+                    !self.cut
+                } else {
+                    0
+                };
             }
             if self.queued.len == 0 {
                 return begun;
@@ -126,6 +163,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             );
             self.counts.triangles += primitives.len() as u64;
             self.queued.len = 0;
+            descent.merged_small = false;
             descent.limits = self.limits(lanes, zbuffer);
         }
     }

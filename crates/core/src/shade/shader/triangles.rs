@@ -8,7 +8,7 @@ use crate::shade::facet::{
     Facet, Interpolation, Needs, SurfaceTriangle, Varied, facing_normal, unit,
 };
 use crate::shade::interpolants::{Interpolants, LinearNormal};
-use crate::shade::own_color::{Placed, normals_to_world};
+use crate::shade::own_color::{PlacedCorners, normals_to_world};
 use crate::shade::sides::Sides;
 use crate::shade::{Mode, Shading};
 use glam::{DAffine3, DVec3, Mat3, Vec3};
@@ -150,8 +150,8 @@ impl Shader<'_> {
     }
 
     /// A triangle in world space, for colour rules that depend on it.
-    fn placed(&self, number: u32, primitive: u32, x: f64) -> Placed {
-        Placed {
+    fn placed(&self, number: u32, primitive: u32, x: f64) -> PlacedCorners {
+        PlacedCorners {
             corners: self.corners(primitive, x),
             camera: self.camera.seen_at(x, 0.0),
             world_normals: self.world_normals.get(number as usize).copied().flatten(),

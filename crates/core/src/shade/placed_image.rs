@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 /// A placed image, for points relative to a mesh's offset.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedImage {
     surface: Surface,
     center: DVec3,
     /// Right, up and front.
@@ -22,7 +22,7 @@ enum Surface {
     Cylinder,
 }
 
-impl Placed {
+impl PlacedImage {
     /// `None` where the projection is not placed, or the projector is invalid.
     pub(super) fn new(
         projection: TextureProjection,
@@ -73,8 +73,8 @@ impl Placed {
     }
 }
 
-impl Placed {
-    /// The derivative of [`Placed::at`] along a step; infinite or NaN where it is undefined.
+impl PlacedImage {
+    /// The derivative of [`PlacedImage::at`] along a step; infinite or NaN where it is undefined.
     pub(super) fn along(&self, point: DVec3, step: DVec3) -> DVec2 {
         let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let [dx, dy, dz] = self.axes.map(|axis| step.dot(axis));
@@ -106,7 +106,7 @@ mod tests {
 
     fn at(projection: TextureProjection, point: DVec3) -> DVec2 {
         let offset = DVec3::new(10.0, 1.0, 0.0);
-        let placed = Placed::new(projection, &PROJECTOR, offset).expect("a place");
+        let placed = PlacedImage::new(projection, &PROJECTOR, offset).expect("a place");
         placed.at(point + PROJECTOR.center - offset)
     }
 
@@ -162,7 +162,7 @@ mod tests {
             TextureProjection::Sphere,
             TextureProjection::Cylinder,
         ] {
-            let placed = Placed::new(projection, &PROJECTOR, DVec3::ZERO).expect("a place");
+            let placed = PlacedImage::new(projection, &PROJECTOR, DVec3::ZERO).expect("a place");
             let by = 1e-5;
             let truth = (placed.at(point + step * by) - placed.at(point - step * by)) / (2.0 * by);
             let apart = (placed.along(point, step) - truth).length();
@@ -200,7 +200,7 @@ mod tests {
         ];
         for projector in bad {
             assert!(projector.axes().is_err());
-            assert!(Placed::new(TextureProjection::Plane, &projector, DVec3::ZERO).is_none());
+            assert!(PlacedImage::new(TextureProjection::Plane, &projector, DVec3::ZERO).is_none());
         }
         let tiny = Projector {
             front: DVec3::Z * 1e-300,
@@ -208,6 +208,6 @@ mod tests {
             ..PROJECTOR
         };
         assert_eq!(tiny.axes(), Ok([DVec3::X, DVec3::Y, DVec3::Z]));
-        assert!(Placed::new(TextureProjection::Uv, &PROJECTOR, DVec3::ZERO).is_none());
+        assert!(PlacedImage::new(TextureProjection::Uv, &PROJECTOR, DVec3::ZERO).is_none());
     }
 }

@@ -6,7 +6,7 @@ use glam::DAffine3;
 
 /// Meshes and the nodes that place them.
 #[derive(Debug, Default)]
-pub(super) struct Placed {
+pub(super) struct PlacedMeshes {
     /// Each mesh that a node uses, once.
     pub(super) meshes: Vec<MeshData>,
     /// The mesh nodes, depth first.
