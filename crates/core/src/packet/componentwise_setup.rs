@@ -226,7 +226,7 @@ impl PacketSpace {
         }
         out.edge_error[l] = greatest_error as f32;
 
-        let inverse = 1.0 / (facing * self.rays.distance);
+        let inverse = 1.0 / (facing * self.rays.distance * self.units);
         let key = Linear {
             constant: key.constant * inverse,
             x: key.x * inverse,

@@ -5,6 +5,9 @@
 //! lens, the keys of all its triangles round to a few numbers. So set-up subtracts a number close to all keys from
 //! each, in double precision, and the interval z-buffer orders the differences. All rays of a packet have one
 //! reference: subtracting a constant from two keys keeps their order.
+//!
+//! Its exponent has eight bits. The inverse depths of triangles that pass the eye at 10⁻⁴⁰ overflow it, so near such
+//! triangles depths are measured in a [unit](UNIT) that is many times shorter.
 
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
@@ -18,56 +21,98 @@ use glam::DVec3;
 /// triangle.
 const THIN: f64 = 1.0 / (1 << 14) as f64;
 
+/// Of the units of depth to one of the scene's, where boxes begin or end at less than [`CLOSE`] from the eye: 2⁶⁴. The
+/// keys of depths from 2⁻¹⁸⁰ to 2⁶² are then in range. With a greater factor those of far triangles would underflow, and
+/// leave their order to exact arithmetic; with a lesser one those of near triangles overflow, and leave theirs.
+const UNIT: f64 = (1u128 << 64) as f64;
+
+/// Below it numbers of single precision are seldom anything but the rounding of zero. A greater limit would take range from
+/// far triangles for nothing.
+const CLOSE: f64 = 1.0 / UNIT;
+
 /// The factor by which a box must begin beyond hi-z to be skipped. The reciprocal of hi-z and the box's distance are
 /// each rounded a few times by 2⁻²⁴, below 10⁻⁶ together. With a greater factor packets visit boxes that are
 /// occluded; with one below the rounding hits are lost.
 const BEYOND: f32 = 1.0 + 1e-5;
 
-/// The depth key that others are relative to; zero where keys are absolute.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct DepthReference(f32);
+/// The depth key that others are relative to, zero where keys are absolute, and the unit of depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct DepthReference {
+    key: f32,
+    /// Units of depth to one of the scene's: one, or [`UNIT`].
+    units: f64,
+    /// [`BEYOND`] in the scene's units.
+    beyond: f32,
+}
 
 impl DepthReference {
+    /// Absolute keys of the scene's own units.
+    pub(super) const NONE: Self = Self {
+        key: 0.0,
+        units: 1.0,
+        beyond: BEYOND,
+    };
+
     /// The reference for triangles within boxes; boxes and `eye` are relative to the same point. Any number is
     /// correct: only accuracy depends on it.
     pub(super) fn of(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
         let forward = camera.forward();
         let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut is_close = false;
         for bounds in boxes {
             let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            for from_eye in [(min - eye).abs(), (max - eye).abs()] {
+                let is_beside = from_eye.cmpgt(DVec3::ZERO) & from_eye.cmplt(DVec3::splat(CLOSE));
+                is_close |= is_beside.any();
+            }
             let middle = ((min + max) * 0.5 - eye).dot(forward);
             let half = ((max - min) * 0.5).dot(forward.abs());
             near = near.min(middle - half);
             far = far.max(middle + half);
         }
         let middle = (near + far) * 0.5;
+        if is_close && camera.projection() != Projection::Orthographic {
+            return Self {
+                units: UNIT,
+                beyond: BEYOND / UNIT as f32,
+                ..Self::NONE
+            };
+        }
         // NaN has no reference either.
         if !(near > 0.0 && far - near < THIN * middle) {
-            return Self::default();
+            return Self::NONE;
         }
         let key = match camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => 1.0 / middle,
             Projection::Orthographic => -middle,
         } as f32;
-        Self(if key.is_normal() { key } else { 0.0 })
+        Self {
+            key: if key.is_normal() { key } else { 0.0 },
+            ..Self::NONE
+        }
     }
 
     /// Whether keys are absolute.
     #[inline(always)]
     pub(super) fn is_zero(self) -> bool {
-        self.0 == 0.0
+        self.key == 0.0
     }
 
     /// The reference, exactly.
     #[inline(always)]
     pub(super) fn key(self) -> f32 {
-        self.0
+        self.key
+    }
+
+    /// Units of depth to one of the scene's, a power of two.
+    pub(super) fn units(self) -> f64 {
+        self.units
     }
 
     /// The absolute key of a relative one, rounded once.
     #[inline(always)]
     pub(super) fn absolute(self, key: f32) -> f32 {
-        key + self.0
+        key + self.key
     }
 
     /// An upper bound of a relative key: the difference is off by half a unit in the last place, and is moved up by
@@ -77,7 +122,7 @@ impl DepthReference {
         if self.is_zero() {
             return key;
         }
-        let relative = key - self.0;
+        let relative = key - self.key;
         relative + relative.abs() * (4.0 * f32::EPSILON)
     }
 
@@ -86,7 +131,7 @@ impl DepthReference {
     pub(super) fn key_of_box(self, projection: Projection, near: f32) -> f32 {
         let key = match projection {
             Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
-            _ if near > 0.0 => BEYOND / near,
+            _ if near > 0.0 => self.beyond / near,
             _ => f32::INFINITY,
         };
         self.relative_above(key)
@@ -99,7 +144,7 @@ impl DepthReference {
         match projection {
             Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
             // The depth key is the inverse depth.
-            _ if hi_z > 0.0 => BEYOND / hi_z,
+            _ if hi_z > 0.0 => self.beyond / hi_z,
             _ => f32::INFINITY,
         }
     }
@@ -157,7 +202,10 @@ mod tests {
                     _ => 1.0 / f64::from(near),
                 };
                 let near_it = (exact * (1.0 + 1e-5 * random.signed())) as f32;
-                let reference = DepthReference(if round % 2 == 0 { 0.0 } else { near_it });
+                let reference = DepthReference {
+                    key: if round % 2 == 0 { 0.0 } else { near_it },
+                    ..DepthReference::NONE
+                };
                 // A hit there surely has at least the key below its exact one.
                 let relative = exact - f64::from(reference.key());
                 let hi_z = (relative as f32).next_down();
@@ -169,7 +217,10 @@ mod tests {
 
     #[test]
     fn relative_upper_bounds_are_not_below() {
-        let reference = DepthReference(0.3);
+        let reference = DepthReference {
+            key: 0.3,
+            ..DepthReference::NONE
+        };
         for key in [
             0.3f32,
             0.3f32.next_up(),
@@ -183,7 +234,7 @@ mod tests {
             let exact = f64::from(key) - f64::from(reference.key());
             assert!(f64::from(reference.relative_above(key)) >= exact, "{key}");
         }
-        let none = DepthReference::default();
+        let none = DepthReference::NONE;
         assert_eq!(none.relative_above(0.7), 0.7);
     }
 }

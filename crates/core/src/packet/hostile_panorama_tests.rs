@@ -187,6 +187,32 @@ fn hostile_triangles_are_seen_as_single_rays_and_brute_force_see_them() {
 
 const ROUNDS: usize = 2400;
 
+/// The eye in a plane that corners are in, or beside it by the least number: inverse depths overflow single precision in
+/// the scene's own unit, in which packets would leave every ray to single rays.
+#[test]
+fn planes_a_subnormal_number_from_the_eye_are_ordered_by_packets() {
+    let mut random = Random(98);
+    let least = f64::from(f32::from_bits(1));
+    let mut corner = || {
+        let at = random.point() * 3.0;
+        at.with_y(if random.unit() < 0.5 { 0.0 } else { least })
+    };
+    let corners: Vec<_> = (0..200).map(|_| [(); 3].map(|()| corner())).collect();
+    let accel = accel(corners);
+    let placement = Placement::towards(DVec3::new(1.0, 0.0, 2.0), DVec3::new(0.0, 0.0, 0.5));
+    let plane = ImagePlane::new(64, 48, 0.03).expect("a good plane");
+    let panorama = Projection::Panoramic(Panorama::Equidistant);
+    for projection in [Projection::Perspective, panorama] {
+        let camera = Camera::new(placement, projection, plane);
+        let lattice = camera.whole().lattice();
+        let mut sum = Sum::default();
+        check(&accel, &lattice, Cull::None, &mut sum);
+        let undecided = sum.counts.double_rays + sum.counts.exact_rays;
+        assert!(sum.hits > sum.rays / 4, "{} of {}", sum.hits, sum.rays);
+        assert!(undecided < 30, "{undecided} of {}", sum.rays);
+    }
+}
+
 /// A border between two faces of a cube map belongs to one of them; in a strip that face may look elsewhere than its
 /// neighbour in the picture. The scenes are visible to rays of the border alone, among triangles elsewhere, so that
 /// entry points leave some out. Where a border is assigned to the face on its other side, this fails.

@@ -145,7 +145,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
             decisions: Decisions::new(accel, clip, &lattice.camera, precision),
-            reference: DepthReference::default(),
+            reference: DepthReference::NONE,
             counts: CastCounts::default(),
         }
     }

@@ -77,6 +77,7 @@ pub const TIMED_CASES: &[TimedCase] = &[
         far_vertex,
     ),
     timed("eye_between_layers", between_layers),
+    timed("eye_a_subnormal_number_from_planes", next_to_planes),
 ];
 
 macro_rules! case {
@@ -187,6 +188,12 @@ pub(super) const CASES: &[Case] = &[
         between_layers,
         (24, 18),
         "The eye between 200 layers a rounding apart: planes next to it are closer together than double precision tells a corner's distance from them."
+    ),
+    case!(
+        "eye_a_subnormal_number_from_planes",
+        next_to_planes,
+        (24, 18),
+        "The eye in a plane that the corners of 4,000 triangles are in or 1e-45 beside: their inverse depths overflow single precision."
     ),
 ];
 
@@ -466,4 +473,24 @@ fn between_layers() -> ScenePair {
     let corners = [up - across, up + across, -up].map(|corner| eye + corner);
     let [hostile, ordinary] = layers(200, corners);
     pair(eye, hostile, ordinary)
+}
+
+/// 4,000 triangles around the eye, whose corners are in its plane or beside it by the least number.
+fn next_to_planes() -> ScenePair {
+    let mut random = Random::new(480);
+    let least = f64::from(f32::from_bits(1));
+    let mut corner = || {
+        let y = if random.between(-1.0, 1.0) < 0.0 {
+            0.0
+        } else {
+            least
+        };
+        (random.in_cube() * 3.0).with_y(y)
+    };
+    let hostile: Vec<[DVec3; 3]> = (0..4000).map(|_| [(); 3].map(|()| corner())).collect();
+    let mut moved = |corner: DVec3| corner + random.in_cube() * 0.3;
+    let ordinary: Vec<[DVec3; 3]> =
+        (hostile.iter().map(|corners| corners.map(&mut moved))).collect();
+    let [hostile, ordinary] = [hostile, ordinary].map(|corners| single_mesh(soup(&corners)));
+    pair(DVec3::new(1.0, 0.0, 2.0), hostile, ordinary)
 }

@@ -34,6 +34,8 @@ pub(crate) struct PacketSpace {
     pub(in crate::packet) rays: PacketRays,
     /// The reference of depth keys.
     pub(in crate::packet) reference: f64,
+    /// Units of depth to one of the scene's. T maps to these, and all that is derived for T holds in these.
+    pub(in crate::packet) units: f64,
 }
 
 /// The rays of a packet in world space.
@@ -130,13 +132,17 @@ impl PacketSpace {
                 },
             },
             reference: 0.0,
+            units: 1.0,
         }
     }
 
-    /// The same space, with depth keys relative to a reference.
+    /// The same space, with depth keys relative to a reference and of its units.
     pub(in crate::packet) fn relative_to(self, reference: DepthReference) -> Self {
+        let units = reference.units();
         Self {
             reference: reference.key().into(),
+            map: self.map.map(|row| row * units),
+            units,
             ..self
         }
     }
@@ -169,6 +175,7 @@ impl PacketSpace {
     /// δ for corners whose X and Y are at most `reach` and Z at most `depth`.
     #[inline(always)]
     pub(super) fn delta(&self, reach: f64, depth: f64) -> f64 {
-        72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1) + self.origin_error)
+        72.0 * (EPSILON * (reach * self.size.0 + depth * self.size.1)
+            + self.origin_error * self.units)
     }
 }
