@@ -28,7 +28,7 @@
 //!   off by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself: we take 2.
 //!   Inverse and products round a key by 3ε of itself; its denominator's bound is 12ε of itself at least, of which it
 //!   needs 8, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
-//!   afterwards, as in `setup`.
+//!   afterwards, as in `setup`. Units of depth are powers of two, and round nothing.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!

@@ -29,8 +29,12 @@ pub(super) enum EightColors {
 /// Modes in which whole rows follow from the linear functions of their triangles: see `scanlines`.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RowColors {
-    /// [`EightColors::Smooth`] on triangles of one colour.
-    Smooth,
+    /// [`EightColors::Own`], with textures.
+    Own,
+    /// [`EightColors::Flat`], with textures.
+    Flat,
+    /// [`EightColors::Smooth`], with or without textures.
+    Smooth(bool),
     /// [`EightColors::Normals`].
     Normals,
     /// [`EightColors::Depth`].
@@ -39,6 +43,14 @@ pub(super) enum RowColors {
     Barycentric,
     /// [`EightColors::Uv`].
     Uv,
+}
+
+impl RowColors {
+    /// Whether triangles may have textures.
+    #[inline(always)]
+    pub(super) fn have_textures(self) -> bool {
+        matches!(self, Self::Own | Self::Flat | Self::Smooth(true))
+    }
 }
 
 /// Opaque colours of eight samples.

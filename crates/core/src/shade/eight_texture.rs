@@ -3,33 +3,14 @@
 use super::TileShader;
 use super::facet::Mapping;
 use super::hit_rows::EightHits;
+use super::row_textures::Textured;
 use super::sample::sample_eight;
 use super::tile_rays::TileRays;
 use super::triplanar::Triplanar;
 use super::vectors::{Row, Vectors};
 use crate::hits::runs;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
-use crate::scene::Texture;
 use glam::Vec3;
-
-/// What samples share whose textures are read at once.
-#[derive(Clone, Copy)]
-struct Shared<'a> {
-    texture: &'a Texture,
-    /// The mapping, unless it is by texture coordinates.
-    triplanar: Option<&'a Triplanar>,
-}
-
-impl Shared<'_> {
-    fn is(&self, other: Shared<'_>) -> bool {
-        let is_same_mapping = match (self.triplanar, other.triplanar) {
-            (None, None) => true,
-            (Some(one), Some(other)) => std::ptr::eq(one, other),
-            _ => false,
-        };
-        is_same_mapping && std::ptr::eq(self.texture, other.texture)
-    }
-}
 
 /// Where eight samples read their texture: at one place each, or at one a side.
 #[derive(Default)]
@@ -70,19 +51,12 @@ impl Sides {
     ) {
         let [ax, ay, az, bx, by, bz, cx, cy, cz, rest @ ..] = *corners;
         let [dx, dy, dz, ex, ey, ez, fx, fy, fz] = rest;
-        let (u, v) = (lanes.load(u), lanes.load(v));
         let corners = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
         let normals = [[dx, dy, dz], [ex, ey, ez], [fx, fy, fz]];
-        let point = Vectors::between(lanes, corners, u, v).store();
-        let normal = Vectors::between(lanes, normals, u, v).unit_or_zero();
-        let squared = normal.times(normal);
-        let fourth = squared.times(squared);
-        let [x, y, z] = fourth.xyz();
-        let sum = x + y + z;
-        let weights = fourth.divided(sum);
-        let weights = Vectors::splat(lanes, Vec3::Z).replaced(lanes.splat(0.0).lt(sum), weights);
+        let weights = [lanes.load(u), lanes.load(v)];
+        let (weights, sides) = triplanar.eight_sides(lanes, (corners, normals), weights);
         self.weights = weights.store().0;
-        self.uv = triplanar.eight_sides(&point.0, &normal.store().0);
+        self.uv = sides;
         self.count = 3;
     }
 }
@@ -90,7 +64,7 @@ impl Sides {
 impl TileShader<'_> {
     /// The surfaces' own colours mixed with their textures, in linear light.
     ///
-    /// At once where all that have a texture have the same one and the same mapping, by texture coordinates or from three
+    /// At once where all that have a texture have the same one, shown and mapped in the same way, by texture coordinates or from three
     /// sides, and without a footprint; else sample by sample.
     #[inline(always)]
     pub(super) fn textured<L: Lanes>(
@@ -103,21 +77,19 @@ impl TileShader<'_> {
     ) -> Vectors<L> {
         let shader = self.shader();
         let zero = lanes.splat(0.0);
-        let mut found: Option<Shared<'_>> = None;
+        let mut found = None;
         let mut is_shared = !shader.filter().has_footprint() && hits.weights.is_some();
-        let (mut is_textured, mut is_tinted) = (zero, zero);
+        let mut is_textured = zero;
         let mut corners = [zero; 18];
         for run in runs(hits.primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let from = lanes.mask_from(run.first);
             let mut textured = 0.0;
-            if let (Some(mapping), Some(texture)) = (&facet.texture, shader.texture_on(facet)) {
-                let one = Shared {
-                    texture,
-                    triplanar: shader.triplanar_of(facet, mapping),
-                };
-                is_shared &= found.is_none_or(|found| found.is(one)) & facet.blends.is_none();
-                found = Some(one);
+            let one = Textured::of(shader, facet);
+            if let (Some(mapping), Some(_)) = (&facet.texture, one) {
+                is_shared &= found.is_none() | Textured::are_same(found, one);
+                is_shared &= facet.blends.is_none();
+                found = one;
                 textured = 1.0;
                 match mapping {
                     Mapping::Uv(uvs) => {
@@ -136,8 +108,6 @@ impl TileShader<'_> {
                 }
             }
             is_textured = from.select(lanes.splat(textured), is_textured);
-            let tinted = if facet.is_tinted { 1.0 } else { 0.0 };
-            is_tinted = from.select(lanes.splat(tinted), is_tinted);
         }
         let Some(found) = found else {
             return own;
@@ -164,7 +134,10 @@ impl TileShader<'_> {
             alpha = alpha + opacity * weight;
         }
         let blend = lanes.splat(shader.blend());
-        let texel = texel.replaced(zero.lt(is_tinted), texel.times(own));
+        let texel = match found.is_tinted {
+            true => texel.times(own),
+            false => texel,
+        };
         let rest = lanes.splat(1.0) - alpha * blend;
         let mixed = own.scaled(rest).plus(texel.scaled(blend));
         own.replaced(zero.lt(is_textured), mixed)

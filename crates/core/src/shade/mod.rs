@@ -33,6 +33,7 @@ mod lines;
 mod mapping;
 mod mipmap;
 mod mode;
+mod numbers;
 mod own_color;
 #[cfg(test)]
 mod own_color_tests;
@@ -41,6 +42,7 @@ mod photograph;
 mod placed_image;
 mod ramp;
 mod reflection;
+mod row_textures;
 mod sample;
 #[cfg(test)]
 mod scanline_tests;

@@ -54,45 +54,100 @@ pub(super) fn sample_eight<L: Lanes>(
     uv: &[[f64; LANES]; 2],
     filter: Filter,
 ) -> (Vectors<L>, L::F32) {
-    // Numbers of texels fit 32 bits, and so do columns and rows.
-    if !texture.repeats() || i32::try_from(texture.texels().len()).is_err() {
+    if !is_read_at_once(texture) {
         return sample_one_by_one(lanes, tables, texture, uv, filter);
     }
-    let (width, height) = (texture.width(), texture.height());
+    if filter == Filter::Nearest {
+        return read_eight(lanes, tables, texture, &nearest_of_eight(texture, uv));
+    }
+    let TexelsAround { at, across, down } = TexelsAround::of_eight(texture, uv);
+    let [a, b, c, d] = &at;
+    let texels = [
+        read_eight(lanes, tables, texture, a),
+        read_eight(lanes, tables, texture, b),
+        read_eight(lanes, tables, texture, c),
+        read_eight(lanes, tables, texture, d),
+    ];
+    bilinear(lanes, texels, [&across, &down])
+}
+
+/// Whether texels of eight samples are found at once. Numbers of texels fit 32 bits, and so do columns and rows.
+#[inline(always)]
+pub(super) fn is_read_at_once(texture: &Texture) -> bool {
+    texture.repeats() && i32::try_from(texture.texels().len()).is_ok()
+}
+
+/// The places of eight samples in texels, columns and rows, from the image's left and top.
+#[inline(always)]
+fn in_texels(texture: &Texture, uv: &[[f64; LANES]; 2]) -> [[f64; LANES]; 2] {
+    let (width, height) = (f64::from(texture.width()), f64::from(texture.height()));
     let (mut xs, mut ys) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
-        xs[lane] = within(uv[0][lane]) * f64::from(width);
-        ys[lane] = (1.0 - within(uv[1][lane])) * f64::from(height);
+        xs[lane] = within(uv[0][lane]) * width;
+        ys[lane] = (1.0 - within(uv[1][lane])) * height;
     }
-    let mut at = [[0; LANES]; 4];
-    if filter == Filter::Nearest {
-        for lane in 0..LANES {
-            let (x, y) = (whole(xs[lane].floor()), whole(ys[lane].floor()));
-            // The texel after the last is the first.
-            let x = if x < width { x } else { 0 };
-            let y = if y < height { y } else { 0 };
-            at[0][lane] = y * width + x;
-        }
-        return read_eight(lanes, tables, texture, &at[0]);
-    }
-    let (lefts, rights, across) = eight_neighbors(&xs, width);
-    let (tops, bottoms, down) = eight_neighbors(&ys, height);
+    [xs, ys]
+}
+
+/// The indices of the texels that eight samples lie in.
+#[inline(always)]
+pub(super) fn nearest_of_eight(texture: &Texture, uv: &[[f64; LANES]; 2]) -> [u32; LANES] {
+    let (width, height) = (texture.width(), texture.height());
+    let [xs, ys] = in_texels(texture, uv);
+    let mut at = [0; LANES];
     for lane in 0..LANES {
-        let (top, bottom) = (tops[lane] * width, bottoms[lane] * width);
-        at[0][lane] = top + lefts[lane];
-        at[1][lane] = top + rights[lane];
-        at[2][lane] = bottom + lefts[lane];
-        at[3][lane] = bottom + rights[lane];
+        let (x, y) = (whole(xs[lane].floor()), whole(ys[lane].floor()));
+        // The texel after the last is the first.
+        let x = if x < width { x } else { 0 };
+        let y = if y < height { y } else { 0 };
+        at[lane] = y * width + x;
     }
+    at
+}
+
+/// The texels around eight samples.
+pub(super) struct TexelsAround {
+    /// Their indices: top left, top right, bottom left, bottom right.
+    pub(super) at: [[u32; LANES]; 4],
+    /// How far the samples lie from the left ones to the right ones, and from the top to the bottom.
+    pub(super) across: Row,
+    pub(super) down: Row,
+}
+
+impl TexelsAround {
+    #[inline(always)]
+    pub(super) fn of_eight(texture: &Texture, uv: &[[f64; LANES]; 2]) -> Self {
+        let (width, height) = (texture.width(), texture.height());
+        let [xs, ys] = in_texels(texture, uv);
+        let (lefts, rights, across) = eight_neighbors(&xs, width);
+        let (tops, bottoms, down) = eight_neighbors(&ys, height);
+        let mut at = [[0; LANES]; 4];
+        for lane in 0..LANES {
+            let (top, bottom) = (tops[lane] * width, bottoms[lane] * width);
+            at[0][lane] = top + lefts[lane];
+            at[1][lane] = top + rights[lane];
+            at[2][lane] = bottom + lefts[lane];
+            at[3][lane] = bottom + rights[lane];
+        }
+        Self { at, across, down }
+    }
+}
+
+/// Colours and alphas of eight samples between the texels around them.
+#[inline(always)]
+pub(super) fn bilinear<L: Lanes>(
+    lanes: L,
+    [a, b, c, d]: [(Vectors<L>, L::F32); 4],
+    [across, down]: [&Row; 2],
+) -> (Vectors<L>, L::F32) {
     let one = lanes.splat(1.0);
-    let (right, below) = (lanes.load(&across), lanes.load(&down));
+    let (right, below) = (lanes.load(across), lanes.load(down));
     let (left, above) = (one - right, one - below);
-    let [a, b, c, d] = &at;
-    let (mut color, mut alpha) = weighed(read_eight(lanes, tables, texture, a), left, above);
+    let (mut color, mut alpha) = weighed(a, left, above);
     for (color_of_one, alpha_of_one) in [
-        weighed(read_eight(lanes, tables, texture, b), right, above),
-        weighed(read_eight(lanes, tables, texture, c), left, below),
-        weighed(read_eight(lanes, tables, texture, d), right, below),
+        weighed(b, right, above),
+        weighed(c, left, below),
+        weighed(d, right, below),
     ] {
         color = color.plus(color_of_one);
         alpha = alpha + alpha_of_one;
@@ -159,7 +214,11 @@ fn read_eight<L: Lanes>(
     if least == u8::MAX {
         return (color, lanes.splat(1.0));
     }
-    let alpha = lanes.load(&alphas.map(f32::from)) / 255.0;
+    let mut all = [0.0; LANES];
+    for lane in 0..LANES {
+        all[lane] = f32::from(alphas[lane]);
+    }
+    let alpha = lanes.load(&all) / 255.0;
     (color.scaled(alpha), alpha)
 }
 

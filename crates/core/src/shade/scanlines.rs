@@ -2,46 +2,26 @@
 //!
 //! A row is shaded in two steps. First each span of samples that show one triangle gets the values of the triangle's
 //! functions, eight samples at a time; a span's last eight may reach into the next span, which overwrites them. Then eight
-//! samples at a time are coloured by these numbers, whatever triangles they show. Each sample has the bits of
-//! [`Shader::color`](super::Shader::color).
+//! samples at a time are coloured by these numbers, whatever triangles they show, but for the texture, which neighbouring
+//! spans may share. Each sample has the bits of [`Shader::color`](super::Shader::color).
 
 use super::eight_colors::{Eight, RowColors, Target};
 use super::facet::Interpolation;
 use super::hit_rows::HitRows;
 use super::interpolants::{PlanarRays, eight_along, eight_weights_of};
+use super::numbers::Numbers;
+use super::row_textures::{ColorTextured, RowTextures, Textured};
 use super::spans::{COLUMNS, Span, put, spans};
 use super::tile::within;
 use super::vectors::{Rows, Vectors};
 use super::{Shader, TileShader, srgb};
 use crate::camera::Lattice;
-use crate::num::simd::{F32x8, LANES, Lanes, Work};
+use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::{MISS, PrimitiveHit};
 use glam::Vec3;
 
 /// Numbers of a sample, at most: U, V, W and texture coordinates at the corners.
 const NUMBERS: usize = 9;
-
-/// A number a sample of a row, and room for the last eight of a span.
-#[derive(Clone, Copy)]
-#[repr(align(32))]
-struct Numbers<N>([N; COLUMNS + LANES]);
-
-impl<N: Copy> Numbers<N> {
-    /// Eight of them. Places are below [`COLUMNS`].
-    #[inline(always)]
-    fn eight(&self, at: usize) -> &[N; LANES] {
-        let all = &self.0[at % COLUMNS..];
-        all.first_chunk()
-            .expect("more than eight from any place on")
-    }
-
-    #[inline(always)]
-    fn eight_mut(&mut self, at: usize) -> &mut [N; LANES] {
-        let all = &mut self.0[at % COLUMNS..];
-        all.first_chunk_mut()
-            .expect("more than eight from any place on")
-    }
-}
 
 /// Columns of samples: what all rows of a tile share.
 struct Columns {
@@ -54,8 +34,8 @@ impl Columns {
     /// Those of a lattice from a column on.
     fn new(shader: &Shader<'_>, lattice: &Lattice, column: u32) -> Self {
         let mut columns = Self {
-            x: Numbers([0.0; COLUMNS + LANES]),
-            to_eye: [Numbers([0.0; COLUMNS + LANES]); 3],
+            x: Numbers::all(0.0),
+            to_eye: [Numbers::all(0.0); 3],
         };
         let [corner, right, _] = shader.to_eye();
         for (at, x) in columns.x.0.iter_mut().enumerate() {
@@ -93,7 +73,8 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
             return;
         };
         let width = lattice.columns as usize;
-        let mut numbers = [Numbers([0.0; COLUMNS + LANES]); NUMBERS];
+        let mut numbers = [Numbers::all(0.0); NUMBERS];
+        let mut textures = colors.have_textures().then(RowTextures::new);
         let mut unencoded = Unencoded::new();
         let mut columns = Columns::new(shader, &lattice, 0);
         for row in 0..lattice.rows {
@@ -118,6 +99,8 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     planar,
                     columns: &columns,
                     numbers: &mut numbers,
+                    textures: textures.as_mut(),
+                    textured: None,
                     primitives,
                     y,
                 };
@@ -160,28 +143,58 @@ struct Scanline<'r, 's, 'h> {
     columns: &'r Columns,
     /// What [`Scanline::evaluate`] has written.
     numbers: &'r mut [Numbers<f32>; NUMBERS],
+    textures: Option<&'r mut RowTextures>,
+    /// What the samples that are evaluated and not coloured yet are textured with.
+    textured: Option<Textured<'s>>,
     primitives: &'h [u32],
     y: f64,
 }
 
-impl Scanline<'_, '_, '_> {
+impl<'s> Scanline<'_, 's, '_> {
     #[inline(always)]
     fn shade<L: Lanes>(mut self, lanes: L, out: &mut impl Out) {
         let mut first = 0;
         let mut alone = 0u64;
-        for span in spans(self.primitives) {
-            if span.primitive == MISS {
+        let count = self.primitives.len();
+        let after = Span {
+            primitive: MISS,
+            first: count,
+            end: count,
+        };
+        let mut spans = spans(self.primitives);
+        loop {
+            // Spans are coloured in one place: it is long.
+            let span = spans.next().unwrap_or(after);
+            let is_miss = span.primitive == MISS;
+            let textured = self.textured(span);
+            if is_miss || !Textured::are_same(self.textured, textured) {
                 self.color(lanes, (first, span.first), out);
+                self.textured = textured;
+                first = span.first;
+            }
+            if is_miss {
                 out.misses(span.first, span.end);
                 first = span.end;
+                if first >= count {
+                    break;
+                }
             } else if !self.evaluate(lanes, span) {
                 alone |= (u64::MAX >> (COLUMNS - (span.end - span.first))) << span.first;
             }
         }
-        self.color(lanes, (first, self.primitives.len()), out);
         if alone != 0 {
             self.color_alone(alone, out);
         }
+    }
+
+    /// What a span's triangle is textured with.
+    #[inline(always)]
+    fn textured(&mut self, span: Span) -> Option<Textured<'s>> {
+        if self.textures.is_none() || span.primitive == MISS {
+            return None;
+        }
+        let shader = self.tile.shader();
+        Textured::of(shader, self.tile.facet(span.primitive, 0.0))
     }
 
     /// Writes the numbers of a span's triangle, and anything into up to seven samples after it. False where it has no
@@ -190,8 +203,19 @@ impl Scanline<'_, '_, '_> {
     fn evaluate<L: Lanes>(&mut self, lanes: L, span: Span) -> bool {
         let facet = self.tile.facet(span.primitive, 0.0);
         let numbers = &mut *self.numbers;
+        if let Some(textures) = &mut self.textures {
+            let place = (self.y, &self.columns.x);
+            if !textures.evaluate(lanes, self.textured, facet, place, span) {
+                return false;
+            }
+        }
         match self.colors {
-            RowColors::Smooth | RowColors::Normals => {
+            RowColors::Own => fill(lanes, facet.color.to_array(), &mut numbers[3..], span),
+            RowColors::Flat => {
+                fill(lanes, facet.light.to_array(), numbers, span);
+                fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
+            }
+            RowColors::Smooth(_) | RowColors::Normals => {
                 let Some(normal) = &facet.linear_normal else {
                     return false;
                 };
@@ -207,7 +231,7 @@ impl Scanline<'_, '_, '_> {
                     store(normal.xyz(), numbers, at);
                     at += LANES;
                 }
-                if matches!(self.colors, RowColors::Smooth) {
+                if matches!(self.colors, RowColors::Smooth(_)) {
                     fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
                 }
             }
@@ -246,9 +270,22 @@ impl Scanline<'_, '_, '_> {
 
     /// Colours samples by their numbers, and any that come after them by anything.
     #[inline(always)]
-    fn color<L: Lanes>(&self, lanes: L, samples: (usize, usize), out: &mut impl Out) {
+    fn color<L: Lanes>(&mut self, lanes: L, samples: (usize, usize), out: &mut impl Out) {
+        if let (Some(textures), Some(textured)) = (&mut self.textures, self.textured) {
+            let shader = self.tile.shader();
+            let work = ColorTextured {
+                textures,
+                textured,
+                shader,
+                own: &mut self.numbers[3..],
+                samples,
+            };
+            dispatch(shader.simd(), work);
+        }
         match self.colors {
-            RowColors::Smooth => self.color_by(lanes, &SmoothLight, samples, out),
+            RowColors::Own => self.color_by(lanes, &OwnColors, samples, out),
+            RowColors::Flat => self.color_by(lanes, &FlatLight, samples, out),
+            RowColors::Smooth(_) => self.color_by(lanes, &SmoothLight, samples, out),
             RowColors::Normals => self.color_by(lanes, &NormalColors, samples, out),
             RowColors::Depth => self.color_by(lanes, &Greys, samples, out),
             RowColors::Barycentric => self.color_by(lanes, &Weights, samples, out),
@@ -355,6 +392,24 @@ trait Look {
     fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L>;
 }
 
+struct OwnColors;
+
+impl Look for OwnColors {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        Eight::Light(row.vectors(lanes, 3, at))
+    }
+}
+
+struct FlatLight;
+
+impl Look for FlatLight {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+        Eight::Light(row.vectors(lanes, 3, at).times(row.vectors(lanes, 0, at)))
+    }
+}
+
 struct SmoothLight;
 
 impl Look for SmoothLight {
@@ -451,8 +506,8 @@ struct Unencoded {
 impl Unencoded {
     fn new() -> Self {
         Self {
-            colors: [Numbers([0.0; COLUMNS + LANES]); 3],
-            buckets: [Numbers([0; COLUMNS + LANES]); 3],
+            colors: [Numbers::all(0.0); 3],
+            buckets: [Numbers::all(0); 3],
             is_used: false,
         }
     }

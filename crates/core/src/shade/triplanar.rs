@@ -1,7 +1,7 @@
 //! Triplanar mapping, for surfaces without texture coordinates.
 
-use super::vectors::Row;
-use crate::num::simd::LANES;
+use super::vectors::Vectors;
+use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::scene::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
 
@@ -55,27 +55,39 @@ impl Triplanar {
         ]
     }
 
-    /// The texture coordinates of [`Triplanar::sides`] of eight points. Plain loops over arrays, which compilers vectorise.
+    /// [`Triplanar::sides`] of eight samples, at barycentrics (u, v) between corners and between normals: weights and texture
+    /// coordinates.
     #[inline(always)]
-    pub(super) fn eight_sides(
+    pub(super) fn eight_sides<L: Lanes>(
         &self,
-        points: &[Row; 3],
-        normals: &[Row; 3],
-    ) -> [[[f64; LANES]; 2]; 3] {
+        lanes: L,
+        (corners, normals): ([[L::F32; 3]; 3], [[L::F32; 3]; 3]),
+        [u, v]: [L::F32; 2],
+    ) -> (Vectors<L>, [[[f64; LANES]; 2]; 3]) {
+        let point = Vectors::between(lanes, corners, u, v).store().0;
+        let normal = Vectors::between(lanes, normals, u, v).unit_or_zero();
+        let squared = normal.times(normal);
+        let fourth = squared.times(squared);
+        let [x, y, z] = fourth.xyz();
+        let sum = x + y + z;
+        let weights = fourth.divided(sum);
+        let weights = Vectors::splat(lanes, Vec3::Z).replaced(lanes.splat(0.0).lt(sum), weights);
+        let normal = normal.store().0;
+        // A plain loop over arrays, which compilers vectorise.
         let mut sides = [[[0.0; LANES]; 2]; 3];
         let [center_x, center_y, center_z] = self.center.to_array();
         for lane in 0..LANES {
-            let x = (f64::from(points[0][lane]) - center_x) * self.scale;
-            let y = (f64::from(points[1][lane]) - center_y) * self.scale;
-            let z = (f64::from(points[2][lane]) - center_z) * self.scale;
-            sides[0][0][lane] = -z * sign(normals[0][lane]) + 0.5;
+            let x = (f64::from(point[0][lane]) - center_x) * self.scale;
+            let y = (f64::from(point[1][lane]) - center_y) * self.scale;
+            let z = (f64::from(point[2][lane]) - center_z) * self.scale;
+            sides[0][0][lane] = -z * sign(normal[0][lane]) + 0.5;
             sides[0][1][lane] = y + 0.5;
             sides[1][0][lane] = x + 0.5;
-            sides[1][1][lane] = -z * sign(normals[1][lane]) + 0.5;
-            sides[2][0][lane] = x * sign(normals[2][lane]) + 0.5;
+            sides[1][1][lane] = -z * sign(normal[1][lane]) + 0.5;
+            sides[2][0][lane] = x * sign(normal[2][lane]) + 0.5;
             sides[2][1][lane] = y + 0.5;
         }
-        sides
+        (weights, sides)
     }
 
     /// The change of the three axes' texture coordinates along a step, for the same normal.

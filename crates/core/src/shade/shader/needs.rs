@@ -125,12 +125,15 @@ impl Shader<'_> {
     /// How whole rows are shaded; `None` where eight samples are shaded at once.
     pub(in crate::shade) fn row_colors(&self, colors: EightColors) -> Option<RowColors> {
         let needs = self.needs;
-        let others = needs.edges || needs.texture || needs.varied || self.has_overlay();
+        let has_footprints = needs.texture && self.filter().has_footprint();
+        let others = needs.edges || has_footprints || needs.varied || self.has_overlay();
         if others || self.planar.is_none() {
             return None;
         }
         match colors {
-            EightColors::Smooth => Some(RowColors::Smooth),
+            EightColors::Own if needs.texture => Some(RowColors::Own),
+            EightColors::Flat if needs.texture => Some(RowColors::Flat),
+            EightColors::Smooth => Some(RowColors::Smooth(needs.texture)),
             EightColors::Normals => Some(RowColors::Normals),
             EightColors::Depth => Some(RowColors::Depth),
             EightColors::Barycentric => Some(RowColors::Barycentric),
