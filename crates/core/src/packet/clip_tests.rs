@@ -1,8 +1,9 @@
 //! Clipped packets against clipped single rays, brute force and each other.
 
+use super::around_tests::accel;
 use super::cast_tests::{cameras, waves, waves_mesh};
 use crate::bvh::Accel;
-use crate::camera::Rect;
+use crate::camera::{Camera, ImagePlane, Panorama, Placement, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::num::simd::Simd;
 use crate::random::Random;
@@ -91,6 +92,42 @@ fn clipped_packets_equal_clipped_single_rays() {
         }
     }
     assert!(kept > 50_000 && cut > 50_000, "{kept} {cut}");
+}
+
+/// Triangles whose planes hold the eye but for roundings are set up by component, a scale for each edge function; packets
+/// decide where they are cut too.
+#[test]
+fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
+    let mut random = Random(20);
+    let eye = DVec3::new(0.25, 0.5, 3.0);
+    let mut corners = || {
+        let [a, b] = [(); 2].map(|()| random.point() * 2.0);
+        let c = eye + (a - eye) * (2.0 * random.signed()) + (b - eye) * (2.0 * random.signed());
+        [a, b, c]
+    };
+    let accel = accel((0..200).map(|_| corners()).collect());
+    let plane = ClippingPlane::new(DVec3::Y, 0.0).expect("a plane");
+    let clipped = accel.clipped(&ClippingPlanes::new(&[plane]).expect("one"));
+    let placement = Placement::towards(eye, DVec3::ZERO);
+    let plane = ImagePlane::new(80, 60, 0.05).expect("a good plane");
+    let panorama = Projection::Panoramic(Panorama::Equirectangular);
+    for projection in [Projection::Perspective, panorama] {
+        let lattice = Camera::new(placement, projection, plane).whole().lattice();
+        let mut primitives = Vec::new();
+        let counts = clipped.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+        for (at, &primitive) in (0..).zip(&primitives) {
+            let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
+            let expected = clipped.cast_primitive(&ray, Cull::None, Precision::Exact);
+            assert_eq!(primitive, expected.primitive, "{projection:?} {at}");
+        }
+        let undecided = counts.double_rays + counts.exact_rays;
+        assert!(counts.hits > 1000, "{}", counts.hits);
+        assert!(
+            undecided < 100,
+            "{projection:?}: {undecided} of {}",
+            counts.hits
+        );
+    }
 }
 
 #[test]

@@ -220,6 +220,7 @@ impl PacketSpace {
             let error = (error + LINEAR_ERROR) * 1.001;
             is_sound &= (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
             greatest_error = greatest_error.max(error);
+            out.edge_scales[edge][l] = magnitude;
             out.edges[edge][0][l] = constant as f32;
             out.edges[edge][1][l] = x as f32;
             out.edges[edge][2][l] = y as f32;

@@ -95,6 +95,8 @@ pub(crate) struct TriangleSetup {
     pub(crate) edges: [[[f32; LANES]; 3]; 3],
     /// Bounds on the error of the edge functions.
     pub(crate) edge_error: [f32; LANES],
+    /// The numbers that edge functions were divided by, but for a factor that all three share.
+    pub(crate) edge_scales: [[f64; LANES]; 3],
     /// Depth key: inverse depth, or negated depth for orthographic packets, so that it grows towards the
     /// eye, relative to the packet's reference.
     pub(crate) depth_key: [[f32; LANES]; 3],
@@ -150,6 +152,7 @@ impl PacketSpace {
         let mut out = TriangleSetup {
             edges: [[[0.0; LANES]; 3]; 3],
             edge_error: [0.0; LANES],
+            edge_scales: [[1.0; LANES]; 3],
             depth_key: [[0.0; LANES]; 3],
             depth_key_error: [0.0; LANES],
             column: [0; LANES],

@@ -90,9 +90,8 @@ impl IntervalZBuffer {
                 continue;
             }
             let functions = EdgeFunctions::of(&set_up, l, primitive);
-            let (cuts, count) = Cut::all(primitive, set_up.edge_error[l], decisions);
-            // A triangle that was set up by component has a scale for each edge, and cutting needs one scale for all.
-            if set_up.ill_conditioned[l] || count > 0 && set_up.is_rough[l] {
+            let (cuts, count) = Cut::all(primitive, &set_up, l, decisions);
+            if set_up.ill_conditioned[l] {
                 self.mark_places_undecided(lanes, places, &functions, &bounds[l]);
             } else {
                 let functions = (&functions, &cuts[..count]);

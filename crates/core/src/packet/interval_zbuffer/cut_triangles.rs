@@ -6,11 +6,11 @@
 //! of the triangle that is kept has one more edge.
 //!
 //! # Error bound
-//! u = 2⁻²⁴. Edge functions of a triangle have one scale, on which they are at most 1, and are off by E < 1. Values
-//! fₖ are off by a ([`AtCorners::error`]) and by u of themselves, F is the sum of their magnitudes. Three products and
-//! two sums round no term more than three times: F·E + (3a + u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 11u) + 6a. The greatest
-//! value is one, and where all are below double precision's range a is more than one: underflow, 2⁻¹⁴⁸, is next to
-//! nothing.
+//! u = 2⁻²⁴. Edge functions are at most 1 and off by E < 1, each in a scale sₖ of its own. So values at the corners are
+//! multiplied by these, and divided by the greatest product, M: fₖ below. A value is off by a ([`AtCorners::error`]) and
+//! by u of itself, fₖ by aS with S = max sₖ / M, and by less than 3u of itself. F is the sum of their magnitudes. Three
+//! products and two sums round no term more than three times: F·E + (3aS + 3u·F)(1 + E) + 3u·F(1 + 2E) < F·(E + 15u) +
+//! 6aS. Underflow, 2⁻¹⁴⁸, is next to nothing, since F ≥ 1.
 
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
@@ -41,27 +41,40 @@ impl Cut {
         error: 0.0,
     };
 
-    /// The cuts of a triangle whose edge functions are off by `edge_error`.
+    /// The cuts of a triangle that is set up in lane `l`.
     #[inline(always)]
-    pub(super) fn all(primitive: u32, edge_error: f32, decisions: &Decisions<'_>) -> Cuts {
+    pub(super) fn all(
+        primitive: u32,
+        set_up: &TriangleSetup,
+        l: usize,
+        decisions: &Decisions<'_>,
+    ) -> Cuts {
         let (mut cuts, mut count) = ([Self::NONE; CLIPPING_PLANES], 0);
         if !decisions.clip().is_empty() {
+            let [p, q, r] = &set_up.edge_scales;
+            let scales = [p[l], q[l], r[l]];
             for (cut, at) in cuts.iter_mut().zip(decisions.clipped(primitive)) {
-                *cut = Self::new(&at, edge_error);
+                *cut = Self::new(&at, set_up.edge_error[l], scales);
                 count += 1;
             }
         }
         (cuts, count)
     }
 
-    fn new(at: &AtCorners, edge_error: f32) -> Self {
-        let sum: f32 = at.values.iter().map(|value| value.abs()).sum();
-        // A hundredth covers the rounding of the bound itself.
-        let error = 1.01 * (sum * (edge_error + 12.0 * UNIT) + 6.0 * at.error);
-        Self {
-            values: at.values,
-            error,
+    /// Where all values are zero the error is NaN, and leaves all rays undecided.
+    fn new(at: &AtCorners, edge_error: f32, scales: [f64; 3]) -> Self {
+        let mut values = [0.0; 3];
+        for (value, (&at, scale)) in values.iter_mut().zip(at.values.iter().zip(scales)) {
+            *value = f64::from(at) * scale;
         }
+        let greatest = |of: [f64; 3]| of.into_iter().fold(0.0, |most: f64, it| most.max(it.abs()));
+        let unit = greatest(values);
+        let values = values.map(|value| (value / unit) as f32);
+        let value_error = f64::from(at.error) * (greatest(scales) / unit);
+        let sum: f32 = values.iter().map(|value| value.abs()).sum();
+        // A hundredth covers the rounding of the bound itself.
+        let error = 1.01 * (sum * (edge_error + 15.0 * UNIT) + 6.0 * value_error as f32);
+        Self { values, error }
     }
 }
 
@@ -77,7 +90,7 @@ impl IntervalZBuffer {
         primitive: u32,
         decisions: &mut Decisions<'_>,
     ) -> bool {
-        let (cuts, count) = Cut::all(primitive, set_up.edge_error[l], decisions);
+        let (cuts, count) = Cut::all(primitive, set_up, l, decisions);
         if count == 0 {
             return false;
         }
@@ -89,8 +102,7 @@ impl IntervalZBuffer {
         let (column, row) = (set_up.column[l] as usize, set_up.row[l] as usize);
         let [left, right, top, bottom] =
             [rays.left, rays.right, rays.top, rays.bottom].map(|edge| edge as usize);
-        // A triangle that was set up by component has a scale for each edge.
-        if set_up.ill_conditioned[l] || set_up.is_rough[l] {
+        if set_up.ill_conditioned[l] {
             self.mark_undecided(&functions, (column, row), (left, right), (top, bottom));
             return true;
         }
@@ -178,29 +190,38 @@ mod tests {
             let greatest = values
                 .iter()
                 .fold(0f32, |most, value| value.abs().max(most));
+            let values = values.map(|value| value / greatest);
             let (edge_error, value_error) = [(1e-3, 0.0), (0.0, 1e-3), (0.0, 0.0)][round % 3];
             let at = AtCorners {
-                values: values.map(|value| value / greatest),
+                values,
                 error: value_error,
             };
-            let cut = Cut::new(&at, edge_error);
+            // One for all, or of any magnitude.
+            let scales = [(); 3].map(|()| match round / 3 % 2 {
+                0 => 1.0,
+                _ => crate::math::pow(10.0, 30.0 * random.signed()),
+            });
+            let cut = Cut::new(&at, edge_error, scales);
             let [p, q, r] = cut.values;
             let [a, b, c] = edges;
             let sum = f64::from(p * a + q * b + r * c);
-            let truth: f64 = (at.values.into_iter().zip(edges))
-                .map(|(value, edge)| {
-                    let off = |x: f32, error: f32| f64::from(x) + f64::from(error);
-                    let way = if edge < 0.0 {
+            let products: [f64; 3] = std::array::from_fn(|k| f64::from(values[k]) * scales[k]);
+            let unit = products.iter().fold(0f64, |most, it| it.abs().max(most));
+            let off = |x: f32, error: f32| f64::from(x) + f64::from(error);
+            let truth: f64 = (0..3)
+                .map(|k| {
+                    let way = if edges[k] < 0.0 {
                         -value_error
                     } else {
                         value_error
                     };
-                    off(value, way) * off(edge, edge_error * value.signum())
+                    let edge = off(edges[k], edge_error * values[k].signum());
+                    off(values[k], way) * (scales[k] / unit) * edge
                 })
                 .sum();
             assert!(
                 (sum - truth).abs() <= f64::from(cut.error),
-                "{at:?} {edges:?}"
+                "{at:?} {scales:?} {edges:?}"
             );
         }
     }
