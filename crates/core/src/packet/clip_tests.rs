@@ -106,12 +106,18 @@ fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
         [a, b, c]
     };
     let accel = accel((0..200).map(|_| corners()).collect());
-    let plane = ClippingPlane::new(DVec3::Y, 0.0).expect("a plane");
-    let clipped = accel.clipped(&ClippingPlanes::new(&[plane]).expect("one"));
     let placement = Placement::towards(eye, DVec3::ZERO);
     let plane = ImagePlane::new(80, 60, 0.05).expect("a good plane");
     let panorama = Projection::Panoramic(Panorama::Equirectangular);
-    for projection in [Projection::Perspective, panorama] {
+    // The second plane holds the eye.
+    for (projection, offset) in [
+        (Projection::Perspective, 0.0),
+        (Projection::Perspective, 0.5),
+        (panorama, 0.0),
+        (panorama, 0.5),
+    ] {
+        let cut = ClippingPlane::new(DVec3::Y, offset).expect("a plane");
+        let clipped = accel.clipped(&ClippingPlanes::new(&[cut]).expect("one"));
         let lattice = Camera::new(placement, projection, plane).whole().lattice();
         let mut primitives = Vec::new();
         let counts = clipped.find(&lattice, Cull::None, Precision::Exact, &mut primitives);

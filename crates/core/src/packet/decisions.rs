@@ -1,12 +1,13 @@
 //! Decisions about triangles that hold for all rays of a lattice, or of a packet, each made once.
 
+use super::plane_along_rays::PlaneAlongRays;
 use super::plane_order::{PlacesWithin, PlaneOrders};
 use super::setup::PacketSpace;
 use crate::bvh::Accel;
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::hit::Precision;
 use crate::num::simd::{LANES, Simd};
-use crate::triangle::clip::{AtCorners, Clip};
+use crate::triangle::clip::{AtCorners, AtEye, Clip};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
 
@@ -15,6 +16,10 @@ use crate::triangle::edge_on::EdgeOn;
 pub(crate) struct Decisions<'a> {
     accel: &'a Accel,
     clip: &'a Clip,
+    /// The clipping planes' functions at the eye, where all rays start there.
+    planes_at_eye: Vec<AtEye>,
+    /// The same along the packet's rays.
+    planes_along_rays: Vec<PlaneAlongRays>,
     edge_on: EdgeOn,
     coplanar: Coplanar,
     plane_orders: PlaneOrders,
@@ -29,9 +34,15 @@ impl<'a> Decisions<'a> {
         camera: &Camera,
         precision: Precision,
     ) -> Self {
+        let has_eye = camera.projection() != Projection::Orthographic;
         Self {
             accel,
             clip,
+            planes_at_eye: match has_eye {
+                true => clip.at_eye(camera.placement().eye).collect(),
+                false => Vec::new(),
+            },
+            planes_along_rays: Vec::new(),
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
             plane_orders: PlaneOrders::new(),
@@ -48,6 +59,11 @@ impl<'a> Decisions<'a> {
     #[inline(always)]
     pub(super) fn clip(&self) -> &'a Clip {
         self.clip
+    }
+
+    /// A clipping plane's function along the packet's rays, where they start at the eye.
+    pub(super) fn plane_along_rays(&self, plane: usize) -> Option<&PlaneAlongRays> {
+        self.planes_along_rays.get(plane)
     }
 
     /// The functions of the clipping planes that cut a triangle.
@@ -79,9 +95,13 @@ impl<'a> Decisions<'a> {
         is_one_plane.then(|| if id(a) < id(b) { a } else { b })
     }
 
-    /// Begins a packet: triangles are ordered along its rays.
+    /// Begins a packet: triangles are ordered, and cut, along its rays.
     pub(super) fn set_rays(&mut self, space: &PacketSpace) {
         self.plane_orders.set_rays(space);
+        self.planes_along_rays.clear();
+        let planes = self.planes_at_eye.iter();
+        self.planes_along_rays
+            .extend(planes.map(|plane| space.along_rays(plane)));
     }
 
     /// Of eight rays, as bits, those for which the first of two triangles is surely nearer where they hit both, and

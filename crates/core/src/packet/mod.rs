@@ -60,6 +60,7 @@ mod placed_triangles;
 #[cfg(test)]
 mod placed_triangles_tests;
 mod places;
+mod plane_along_rays;
 mod plane_order;
 mod ray_bounds;
 #[cfg(test)]

@@ -52,8 +52,18 @@ pub(crate) enum Kept {
 /// error. The plane keeps the points where the mean of the three, weighted by the barycentrics, is not negative.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AtCorners {
+    /// The plane's index.
+    pub(crate) plane: usize,
     pub(crate) values: [f32; 3],
     pub(crate) error: f32,
+}
+
+/// A plane's function n·p − c at an eye, and a bound on its error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AtEye {
+    pub(crate) normal: DVec3,
+    pub(crate) value: f64,
+    pub(crate) error: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -127,18 +137,39 @@ impl Clip {
 
     /// The functions of the planes that cut a triangle.
     pub(crate) fn through(&self, corners: [Vec3; 3]) -> impl Iterator<Item = AtCorners> {
-        self.planes.iter().filter_map(move |plane| {
-            let at = corners.map(|corner| self.at(plane, corner));
-            if !at.iter().any(|at| at.sign == Ordering::Less) {
-                return None;
-            }
-            let greatest = at.iter().fold(TINY, |most, at| at.value.abs().max(most));
-            let error = at.iter().fold(0.0, |most, at| at.error.max(most));
-            Some(AtCorners {
-                values: at.map(|at| (at.value / greatest) as f32),
-                // The quotient is rounded as well.
-                error: (error / greatest * 1.001 + 2.0 * EPSILON) as f32,
+        self.planes
+            .iter()
+            .enumerate()
+            .filter_map(move |(number, plane)| {
+                let at = corners.map(|corner| self.at(plane, corner));
+                if !at.iter().any(|at| at.sign == Ordering::Less) {
+                    return None;
+                }
+                let greatest = at.iter().fold(TINY, |most, at| at.value.abs().max(most));
+                let error = at.iter().fold(0.0, |most, at| at.error.max(most));
+                Some(AtCorners {
+                    plane: number,
+                    values: at.map(|at| (at.value / greatest) as f32),
+                    // The quotient is rounded as well.
+                    error: (error / greatest * 1.001 + 2.0 * EPSILON) as f32,
+                })
             })
+    }
+
+    /// The planes' functions at an eye in world space: zero, without an error, where it lies on a plane.
+    pub(crate) fn at_eye(&self, eye: DVec3) -> impl Iterator<Item = AtEye> {
+        self.planes.iter().map(move |plane| {
+            let terms = plane.normal * eye;
+            let size = terms.abs().element_sum() + plane.offset.abs();
+            let value = terms.element_sum() - plane.offset;
+            let error = 4.1 * EPSILON * size + TINY;
+            let is_on = value.abs() <= error
+                && Self::exact_sign_of_sum(plane, eye, DVec3::ZERO) == Ordering::Equal;
+            AtEye {
+                normal: plane.normal,
+                value: if is_on { 0.0 } else { value },
+                error: if is_on { 0.0 } else { error },
+            }
         })
     }
 
@@ -193,10 +224,14 @@ impl Clip {
     /// The exact sign of n·(V + O) − c.
     #[inline(never)]
     fn exact_sign(&self, plane: &Plane, corner: Vec3) -> Ordering {
-        let corner = corner.as_dvec3();
-        let lengths = Scale::of_vectors([&corner, &self.origin]);
+        Self::exact_sign_of_sum(plane, corner.as_dvec3(), self.origin)
+    }
+
+    /// The exact sign of n·(p + q) − c.
+    fn exact_sign_of_sum(plane: &Plane, p: DVec3, q: DVec3) -> Ordering {
+        let lengths = Scale::of_vectors([&p, &q]);
         let normals = Scale::of_vectors([&plane.normal]);
-        let point = add(&lengths.vector(corner), &lengths.vector(self.origin));
+        let point = add(&lengths.vector(p), &lengths.vector(q));
         let product = dot(&normals.vector::<BigInt>(plane.normal), &point);
         let (mantissa, exponent) = decompose(plane.offset);
         let offset = BigInt::from(mantissa);

@@ -268,14 +268,14 @@ impl IntervalZBuffer {
                 continue;
             }
             let mut inside = error.lt(least);
+            let near = value(lanes, depth_key, at);
             for cut in cuts {
-                let [p, q, r] = cut.values;
-                let value = lanes.splat(p) * a + lanes.splat(q) * b + lanes.splat(r) * c;
-                outside = outside | value.lt(lanes.splat(-cut.error));
-                inside = inside & lanes.splat(cut.error).lt(value);
+                let along = value(lanes, cut.along(), at);
+                let (removes, keeps) = cut.decide(lanes, [a, b, c], near, along);
+                outside = outside | removes;
+                inside = inside & keeps;
             }
             let (low, high, primitives) = self.rays_of_row(first);
-            let near = value(lanes, depth_key, at);
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
                 let at = (first, (x, y));

@@ -18,6 +18,7 @@ use super::rasterize::COLUMNS;
 use super::{CELLS, IntervalZBuffer, ROW, SIDE};
 use crate::num::simd::{F32x8, Lanes};
 use crate::packet::decisions::Decisions;
+use crate::packet::plane_along_rays::PlaneAtKey;
 use crate::packet::setup::TriangleSetup;
 use crate::scene::CLIPPING_PLANES;
 use crate::triangle::clip::AtCorners;
@@ -25,11 +26,13 @@ use crate::triangle::clip::AtCorners;
 /// The unit roundoff of single precision.
 const UNIT: f32 = f32::EPSILON / 2.0;
 
-/// An additional edge: the plane's values at the corners, and the bound on the error of their weighted sum.
+/// An additional edge: the plane's values at the corners, and the bound on the error of their weighted sum; and its
+/// function along rays, which decides more next to the eye.
 #[derive(Clone, Copy)]
 pub(super) struct Cut {
-    pub(super) values: [f32; 3],
-    pub(super) error: f32,
+    values: [f32; 3],
+    error: f32,
+    along: PlaneAtKey,
 }
 
 /// The cuts of a triangle, and their number.
@@ -39,6 +42,7 @@ impl Cut {
     const NONE: Self = Self {
         values: [0.0; 3],
         error: 0.0,
+        along: PlaneAtKey::UNKNOWN,
     };
 
     /// The cuts of a triangle that is set up in lane `l`.
@@ -55,6 +59,11 @@ impl Cut {
             let scales = [p[l], q[l], r[l]];
             for (cut, at) in cuts.iter_mut().zip(decisions.clipped(primitive)) {
                 *cut = Self::new(&at, set_up.edge_error[l], scales);
+                if let Some(plane) = decisions.plane_along_rays(at.plane) {
+                    let key = set_up.depth_key.map(|coefficient| coefficient[l]);
+                    let first = (set_up.column[l].into(), set_up.row[l].into());
+                    cut.along = plane.at_key(key, set_up.depth_key_error[l], first);
+                }
                 count += 1;
             }
         }
@@ -74,7 +83,52 @@ impl Cut {
         let sum: f32 = values.iter().map(|value| value.abs()).sum();
         // A hundredth covers the rounding of the bound itself.
         let error = 1.01 * (sum * (edge_error + 15.0 * UNIT) + 6.0 * value_error as f32);
-        Self { values, error }
+        Self {
+            values,
+            error,
+            ..Self::NONE
+        }
+    }
+
+    /// The same as seen some columns further right.
+    #[inline(always)]
+    fn moved(mut self, columns: f32) -> Self {
+        let [constant, x, y] = self.along.function;
+        self.along.function = [constant + x * columns, x, y];
+        self
+    }
+
+    /// Whether the plane surely removes what rays hit, and whether it surely keeps it: `edges` are the edge functions, `near`
+    /// the depth key, `along` the function along rays.
+    #[inline(always)]
+    pub(super) fn decide<L: Lanes>(
+        &self,
+        lanes: L,
+        [a, b, c]: [L::F32; 3],
+        near: L::F32,
+        along: L::F32,
+    ) -> (L::Mask, L::Mask) {
+        let [p, q, r] = self.values;
+        let mean = lanes.splat(p) * a + lanes.splat(q) * b + lanes.splat(r) * c;
+        let along = near * self.along.by_key + along;
+        let (error, along_error) = (lanes.splat(self.error), lanes.splat(self.along.error));
+        let removes = mean.lt(lanes.splat(-self.error)) | along.lt(lanes.splat(-self.along.error));
+        let keeps = error.lt(mean) | along_error.lt(along);
+        (removes, keeps)
+    }
+
+    /// The linear part of the function along rays.
+    #[inline(always)]
+    pub(super) fn along(&self) -> [f32; 3] {
+        self.along.function
+    }
+}
+
+/// As [`Cut::moved`].
+#[inline(always)]
+fn all_moved(cuts: &mut [Cut], columns: f32) {
+    for cut in cuts {
+        *cut = cut.moved(columns);
     }
 }
 
@@ -90,7 +144,7 @@ impl IntervalZBuffer {
         primitive: u32,
         decisions: &mut Decisions<'_>,
     ) -> bool {
-        let (cuts, count) = Cut::all(primitive, set_up, l, decisions);
+        let (mut cuts, count) = Cut::all(primitive, set_up, l, decisions);
         if count == 0 {
             return false;
         }
@@ -116,6 +170,7 @@ impl IntervalZBuffer {
             };
             let first = row * SIDE + column + x;
             self.rasterize_cut_rows(lanes, &here, &cuts[..count], first, bottom - row, decisions);
+            all_moved(&mut cuts[..count], ROW as f32);
         }
         let (first, last) = (column / ROW, right.max(column + ROW - 1) / ROW);
         let columns = (1u32 << (last + 1)) - (1 << first);
@@ -157,10 +212,12 @@ impl IntervalZBuffer {
             let mut outside = least.lt(minus_error);
             let mut inside = error.lt(least);
             for cut in cuts {
-                let [p, q, r] = cut.values;
-                let value = lanes.splat(p) * a + lanes.splat(q) * b + lanes.splat(r) * c;
-                outside = outside | value.lt(lanes.splat(-cut.error));
-                inside = inside & lanes.splat(cut.error).lt(value);
+                let [constant, by_column, by_row] = cut.along();
+                let start = lanes.splat(constant + by_row * row as f32);
+                let along = start + lanes.splat(by_column) * x;
+                let (removes, keeps) = cut.decide(lanes, [a, b, c], near, along);
+                outside = outside | removes;
+                inside = inside & keeps;
             }
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
@@ -193,6 +250,7 @@ mod tests {
             let values = values.map(|value| value / greatest);
             let (edge_error, value_error) = [(1e-3, 0.0), (0.0, 1e-3), (0.0, 0.0)][round % 3];
             let at = AtCorners {
+                plane: 0,
                 values,
                 error: value_error,
             };
