@@ -112,42 +112,17 @@ impl Reader<'_> {
             first_objects.push(objects.len());
             for placed in found {
                 let mut object = placed.placed(source.clone());
-                object.shape = table.shape.as_ref().map(|shape| (*shape.get_ref()).into());
-                if let Some(name) = &table.name {
-                    object.name = match found {
-                        [_] => name.clone(),
-                        _ => format!("{name}: {}", placed.name),
-                    };
+                if let (Some(name), 2..) = (&table.name, found.len()) {
+                    object.name = format!("{name}: {}", placed.name);
+                } else if let Some(name) = &table.name {
+                    object.name = name.clone();
                 }
                 object.transform = match &table.node {
                     // A table that names a node has the node's whole transform.
                     Some(_) => transform,
                     None => within(&transform, placed.world_from_object),
                 };
-                object.visible = table.visible.unwrap_or(true);
-                if let Some(color) = &table.color {
-                    object.color = color.get_ref().rule(table.seed);
-                    if let ColorRule::Value(Quantity::Scalar(name)) = &object.color {
-                        self.check_scalar(color, name, &object.mesh, "another color")?;
-                    }
-                }
-                if let Some((texture, source)) = &texture {
-                    object.texture = Some(Arc::clone(texture));
-                    object.texture_source = Some(source.clone());
-                }
-                object.mapping = TextureMapping {
-                    projection: table.texture_projection.map(Into::into),
-                    projector: self.projector(table, &object)?,
-                    photograph: match &table.texture_camera {
-                        Some(camera) => Some(self.photograph(camera)?),
-                        None => None,
-                    },
-                };
-                if let Some(named) = &table.blend_by {
-                    let name = named.get_ref();
-                    self.check_scalar(named, name, &object.mesh, "no `blend-by`")?;
-                    object.blend_by = Some(name.clone());
-                }
+                self.set_look(&mut object, table, texture.as_ref())?;
                 objects.push(object);
             }
         }
@@ -165,6 +140,41 @@ impl Reader<'_> {
         }
         progress(1.0);
         Ok(objects)
+    }
+
+    /// Sets what a table says of its objects' looks.
+    fn set_look(
+        &self,
+        object: &mut Object,
+        table: &ObjectToml,
+        texture: Option<&(Arc<Texture>, PathBuf)>,
+    ) -> Result<(), FormatError> {
+        object.shape = table.shape.as_ref().map(|shape| (*shape.get_ref()).into());
+        object.visible = table.visible.unwrap_or(true);
+        if let Some(color) = &table.color {
+            object.color = color.get_ref().rule(table.seed);
+            if let ColorRule::Value(Quantity::Scalar(name)) = &object.color {
+                self.check_scalar(color, name, &object.mesh, "another color")?;
+            }
+        }
+        if let Some((texture, source)) = texture {
+            object.texture = Some(Arc::clone(texture));
+            object.texture_source = Some(source.clone());
+        }
+        object.mapping = TextureMapping {
+            projection: table.texture_projection.map(Into::into),
+            projector: self.projector(table, object)?,
+            photograph: match &table.texture_camera {
+                Some(camera) => Some(self.photograph(camera)?),
+                None => None,
+            },
+        };
+        if let Some(named) = &table.blend_by {
+            let name = named.get_ref();
+            self.check_scalar(named, name, &object.mesh, "no `blend-by`")?;
+            object.blend_by = Some(name.clone());
+        }
+        Ok(())
     }
 
     /// Checks that a scalar that the file names exists in the mesh.

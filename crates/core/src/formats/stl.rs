@@ -201,6 +201,52 @@ fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
     }
 }
 
+/// The mesh of an ASCII file as it is read.
+struct AsciiMesh<'a> {
+    path: &'a Path,
+    budget: &'a Budget,
+    vertices: Vertices,
+    triangles: Vec<[u32; 3]>,
+    polygons: Vec<Polygon>,
+    /// The corners of the facet that is read.
+    facet: Vec<u32>,
+}
+
+impl AsciiMesh<'_> {
+    /// Ends a facet, of three corners or more. False for fewer.
+    fn end_facet(&mut self) -> Result<bool, FormatError> {
+        let [first, second, ref rest @ ..] = self.facet[..] else {
+            return Ok(false);
+        };
+        if rest.is_empty() {
+            return Ok(false);
+        }
+        let sum = (self.triangles.len() + rest.len()) as u64;
+        if sum > self.budget.triangles_left() {
+            self.budget.add_triangles(self.path, sum)?;
+        }
+        if rest.len() > 1 {
+            self.polygons.push(Polygon {
+                first: self.triangles.len() as u32,
+                triangles: rest.len() as u32,
+            });
+        }
+        let mut last = second;
+        for &next in rest {
+            self.triangles.push([first, last, next]);
+            last = next;
+        }
+        Ok(true)
+    }
+
+    /// The bytes that are held. A full list doubles, and the old one exists until the new one is filled.
+    fn held(&self) -> u64 {
+        let vertices = self.vertices.len() * (size_of::<DVec3>() + 3 * size_of::<u32>());
+        let triangles = self.triangles.len() * size_of::<[u32; 3]>();
+        (3 * (vertices + triangles) + 4 * self.facet.len()) as u64
+    }
+}
+
 fn ascii(
     path: &Path,
     bytes: &[u8],
@@ -209,10 +255,14 @@ fn ascii(
 ) -> Result<Parsed, FormatError> {
     let mut words = Tokens::new(bytes, 0, None);
     let mut share = budget.share(path, "the mesh", 0)?;
-    let mut vertices = Vertices::with_capacity(0);
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    let mut polygons = Vec::new();
-    let mut facet: Vec<u32> = Vec::new();
+    let mut mesh = AsciiMesh {
+        path,
+        budget,
+        vertices: Vertices::with_capacity(0),
+        triangles: Vec::new(),
+        polygons: Vec::new(),
+        facet: Vec::new(),
+    };
     let (mut in_solid, mut in_facet) = (false, false);
     let mut solids = 0;
     while let Some(word) = words.next() {
@@ -224,46 +274,25 @@ fn ascii(
                 let position = words
                     .point()
                     .map_err(|found| words.fault(path, "three numbers behind `vertex`", &found))?;
-                facet.push(vertices.number(position));
+                mesh.facet.push(mesh.vertices.number(position));
             } else if is("endfacet") {
                 in_facet = false;
-                let [first, second, ref rest @ ..] = facet[..] else {
-                    return fault(&words, "three vertices in a facet");
-                };
-                if rest.is_empty() {
+                if !mesh.end_facet()? {
                     return fault(&words, "three vertices in a facet");
                 }
-                let sum = (triangles.len() + rest.len()) as u64;
-                if sum > budget.triangles_left() {
-                    budget.add_triangles(path, sum)?;
-                }
-                if rest.len() > 1 {
-                    polygons.push(Polygon {
-                        first: triangles.len() as u32,
-                        triangles: rest.len() as u32,
-                    });
-                }
-                let mut last = second;
-                for &next in rest {
-                    triangles.push([first, last, next]);
-                    last = next;
-                }
-                if triangles.len().is_multiple_of(16_384) {
+                if mesh.triangles.len().is_multiple_of(16_384) {
                     progress(0.9 * words.at() as f32 / bytes.len() as f32);
                 }
             } else if !(is("outer") || is("loop") || is("endloop")) {
                 return fault(&words, "`vertex`, `endloop` or `endfacet`");
             }
-            // A full list doubles, and the old one exists until the new one is filled.
-            let held = 3
-                * (vertices.len() * (size_of::<DVec3>() + 3 * size_of::<u32>())
-                    + triangles.len() * size_of::<[u32; 3]>());
-            if facet.len() < 2 || facet.len().is_multiple_of(16_384) {
-                share.grow(path, "the mesh", (held + 4 * facet.len()) as u64)?;
+            let corners = mesh.facet.len();
+            if corners < 2 || corners.is_multiple_of(16_384) {
+                share.grow(path, "the mesh", mesh.held())?;
             }
         } else if is("facet") && in_solid {
             in_facet = true;
-            facet.clear();
+            mesh.facet.clear();
             // Skips the normal, which is computed from the corners.
             words.rest_of_line();
         } else if is("endsolid") && in_solid {
@@ -273,39 +302,41 @@ fn ascii(
             in_solid = true;
             solids += 1;
             words.rest_of_line();
+        } else if in_solid {
+            return fault(&words, "`facet` or `endsolid`");
         } else {
-            let expected = if in_solid {
-                "`facet` or `endsolid`"
-            } else {
-                "`solid`"
-            };
-            return fault(&words, expected);
+            return fault(&words, "`solid`");
         }
     }
     if in_facet {
         return Err(words.fault(path, "`endfacet`", &Found::End));
     }
-    if triangles.is_empty() {
+    if mesh.triangles.is_empty() {
         return Err(no_triangles(path));
     }
+    Ok(parsed_ascii(mesh, solids, in_solid))
+}
+
+/// What was read of an ASCII file of so many solids; `is_cut_short` where the last one has no end.
+fn parsed_ascii(mesh: AsciiMesh<'_>, solids: usize, is_cut_short: bool) -> Parsed {
     let mut parsed = Parsed::default();
     parsed.notes.push("ASCII".to_owned());
     if solids > 1 {
-        parsed
-            .notes
-            .push(format!("solids: {solids}, which are parts of one object"));
+        let note = format!("solids: {solids}, which are parts of one object");
+        parsed.notes.push(note);
     }
-    if in_solid {
-        let path = quote::path(path);
+    let path = mesh.path;
+    if is_cut_short {
         parsed.warnings.push(format!(
-            "{path}: its last solid has no `endsolid`: is it cut short?"
+            "{}: its last solid has no `endsolid`: is it cut short?",
+            quote::path(path)
         ));
     }
-    parsed.mesh.positions = vertices.into_positions();
-    parsed.mesh.triangles = triangles;
-    let uncut = polygon::cut(&mut parsed.mesh, &polygons);
+    parsed.mesh.positions = mesh.vertices.into_positions();
+    parsed.mesh.triangles = mesh.triangles;
+    let uncut = polygon::cut(&mut parsed.mesh, &mesh.polygons);
     parsed.warnings.extend(uncut.warnings(path));
-    Ok(parsed)
+    parsed
 }
 
 #[cfg(test)]

@@ -104,18 +104,53 @@ pub(in crate::formats) fn is_ply(bytes: &[u8]) -> bool {
     })
 }
 
+/// The byte that ends each line. All lines end as the first one does: the body may start with a byte that looks like part of
+/// a line end.
+fn line_end(bytes: &[u8]) -> u8 {
+    let first = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+    let first = first.unwrap_or(bytes.len());
+    match bytes.get(first..) {
+        Some([b'\r', b'\n', ..]) | None => b'\n',
+        Some(rest) => rest.first().copied().unwrap_or(b'\n'),
+    }
+}
+
+/// An element from what follows its keyword on a line; else what is expected.
+fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<Element, String> {
+    let name = words.next().map(str::to_owned);
+    let count = words.next().and_then(|count| count.parse().ok());
+    let Some((name, count)) = name.zip(count) else {
+        return Err("`element`, a name and a count".to_owned());
+    };
+    Ok(Element {
+        name,
+        count,
+        properties: Vec::new(),
+        line,
+    })
+}
+
+/// A property from what follows its keyword on a line.
+fn property<'w>(words: impl Iterator<Item = &'w str>) -> Option<Property> {
+    let words: Vec<&str> = words.collect();
+    let (length, kind, name) = match words[..] {
+        ["list", length, kind, name] => (Some(Scalar::named(length)?), kind, name),
+        [kind, name] => (None, kind, name),
+        _ => return None,
+    };
+    Some(Property {
+        name: name.to_owned(),
+        kind: Scalar::named(kind)?,
+        length,
+    })
+}
+
 /// Parses a header.
 ///
 /// # Errors
 /// The first invalid line.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Header, FormatError> {
-    // All lines end as the first one does: the body may start with a byte that looks like part of a line end.
-    let first = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-    let first = first.unwrap_or(bytes.len());
-    let end = match bytes.get(first..) {
-        Some([b'\r', b'\n', ..]) | None => b'\n',
-        Some(rest) => rest.first().copied().unwrap_or(b'\n'),
-    };
+    let end = line_end(bytes);
     let mut header = Header {
         encoding: Encoding::Ascii,
         elements: Vec::new(),
@@ -165,38 +200,27 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Header, FormatError> {
                 has_format = true;
             }
             "element" => {
-                let name = words.next().map(str::to_owned);
-                let count = words.next().and_then(|count| count.parse().ok());
-                let Some((name, count)) = name.zip(count) else {
-                    return fault("`element`, a name and a count");
-                };
-                if header.elements.iter().any(|element| element.name == name) {
-                    return fault("one element of a name");
-                }
-                header.elements.push(Element {
-                    name,
-                    count,
-                    properties: Vec::new(),
-                    line: number,
+                let element = element(words, number).and_then(|element| {
+                    match header
+                        .elements
+                        .iter()
+                        .any(|known| known.name == element.name)
+                    {
+                        true => Err("one element of a name".to_owned()),
+                        false => Ok(element),
+                    }
                 });
+                match element {
+                    Ok(element) => header.elements.push(element),
+                    Err(expected) => return fault(&expected),
+                }
             }
             "property" => {
                 properties += 1;
                 if properties > PROPERTY_LIMIT {
                     return fault(&format!("at most {PROPERTY_LIMIT} properties"));
                 }
-                let words: Vec<&str> = words.collect();
-                let property = match words[..] {
-                    ["list", length, kind, name] => {
-                        let length = Scalar::named(length);
-                        let kind = Scalar::named(kind);
-                        let both = length.zip(kind);
-                        both.map(|(length, kind)| (name, kind, Some(length)))
-                    }
-                    [kind, name] => Scalar::named(kind).map(|kind| (name, kind, None)),
-                    _ => None,
-                };
-                let Some((name, kind, length)) = property else {
+                let Some(property) = property(words) else {
                     return fault(
                         "`property`, a type and a name, or `list`, two types and a name (types being \
                          char, uchar, short, ushort, int, uint, float and double)",
@@ -205,11 +229,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Header, FormatError> {
                 let Some(element) = header.elements.last_mut() else {
                     return fault("`element` before its properties");
                 };
-                element.properties.push(Property {
-                    name: name.to_owned(),
-                    kind,
-                    length,
-                });
+                element.properties.push(property);
             }
             "end_header" => break,
             _ => header.odd_lines += 1,

@@ -63,15 +63,11 @@ fn body<V: Values>(
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Parsed, FormatError> {
-    let mut parsed = Parsed::default();
-    parsed.notes.push(
-        match header.encoding {
-            Encoding::Ascii => "ASCII",
-            Encoding::LittleEndian => "binary, little-endian",
-            Encoding::BigEndian => "binary, big-endian",
-        }
-        .to_owned(),
-    );
+    let encoding = match header.encoding {
+        Encoding::Ascii => "ASCII",
+        Encoding::LittleEndian => "binary, little-endian",
+        Encoding::BigEndian => "binary, big-endian",
+    };
     let named = |name: &str| header.elements.iter().find(|element| element.name == name);
     let vertices = named("vertex").map_or(0, |element| element.count);
     // Indices have 32 bits; one value means none.
@@ -94,7 +90,7 @@ fn body<V: Values>(
         face_colors: Vec::new(),
         face_scalars: Vec::new(),
         small: 0,
-        notes: Vec::new(),
+        notes: vec![encoding.to_owned()],
     };
     let count = header.elements.len().max(1) as f32;
     for (index, element) in header.elements.iter().enumerate() {
@@ -114,67 +110,80 @@ fn body<V: Values>(
         }
         step(1.0);
     }
-    let left = reader.values.left();
-    let Reader {
-        mut mesh,
-        normals,
-        uvs,
-        polygons,
-        corner_uvs,
-        uv_triangles,
-        face_colors,
-        face_scalars,
-        small,
-        notes,
-        ..
-    } = reader;
-    parsed.notes.extend(notes);
-    if mesh.triangles.is_empty() {
-        let found = match (vertices, small) {
-            (1.., 0) => format!("none: it has {vertices} points alone, which are not shown"),
-            (_, 1..) => format!("{small} of fewer than three corners"),
-            _ => "none".to_owned(),
-        };
-        return Err(FormatError::unexpected(path, None, "faces", found));
-    }
-    if !uv_triangles.is_empty() {
-        mesh.uvs = Some(Attribute {
-            values: corner_uvs,
-            indices: Some(uv_triangles),
-        });
-    }
-    if !face_colors.is_empty() {
-        face_colors::set(&mut mesh, face_colors);
-    }
-    for mut scalar in face_scalars {
-        scalar.values.resize(mesh.triangles.len(), f32::NAN);
-        mesh.scalars.push(scalar);
-    }
-    let uncut = polygon::cut(&mut mesh, &polygons);
-    mesh.normals = at_vertices(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
-    if mesh.uvs.is_none() {
-        mesh.uvs = at_vertices(uvs, &mesh.triangles, |uv| uv.is_finite());
-    }
-    parsed.mesh = mesh;
-    parsed.texture = header.texture.as_deref().map(|name| beside(path, name));
-    let quoted = quote::path(path);
-    let counts = [
-        (
-            header.odd_lines,
-            "header lines that are not known, which are passed over",
-        ),
-        (
-            small,
-            "faces of fewer than three corners, which are passed over",
-        ),
-        (left, "bytes behind its last element, which are passed over"),
-    ];
-    for (count, what) in counts.into_iter().filter(|(count, _)| *count > 0) {
-        parsed.warnings.push(format!("{quoted}: {what}: {count}"));
-    }
-    parsed.warnings.extend(uncut.warnings(path));
+    let read = reader.parsed(header)?;
     progress(1.0);
-    Ok(parsed)
+    Ok(read)
+}
+
+impl<V: Values> Reader<'_, V> {
+    /// The mesh of all elements.
+    fn parsed(self, header: &Header) -> Result<Parsed, FormatError> {
+        let left = self.values.left();
+        let Self {
+            path,
+            vertices,
+            mut mesh,
+            normals,
+            uvs,
+            polygons,
+            corner_uvs,
+            uv_triangles,
+            face_colors,
+            face_scalars,
+            small,
+            notes,
+            ..
+        } = self;
+        if mesh.triangles.is_empty() {
+            let found = match (vertices, small) {
+                (1.., 0) => format!("none: it has {vertices} points alone, which are not shown"),
+                (_, 1..) => format!("{small} of fewer than three corners"),
+                _ => "none".to_owned(),
+            };
+            return Err(FormatError::unexpected(path, None, "faces", found));
+        }
+        if !uv_triangles.is_empty() {
+            mesh.uvs = Some(Attribute {
+                values: corner_uvs,
+                indices: Some(uv_triangles),
+            });
+        }
+        if !face_colors.is_empty() {
+            face_colors::set(&mut mesh, face_colors);
+        }
+        for mut scalar in face_scalars {
+            scalar.values.resize(mesh.triangles.len(), f32::NAN);
+            mesh.scalars.push(scalar);
+        }
+        let uncut = polygon::cut(&mut mesh, &polygons);
+        mesh.normals = at_vertices(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
+        if mesh.uvs.is_none() {
+            mesh.uvs = at_vertices(uvs, &mesh.triangles, |uv| uv.is_finite());
+        }
+        let mut parsed = Parsed {
+            mesh,
+            texture: header.texture.as_deref().map(|name| beside(path, name)),
+            notes,
+            ..Parsed::default()
+        };
+        let quoted = quote::path(path);
+        let counts = [
+            (
+                header.odd_lines,
+                "header lines that are not known, which are passed over",
+            ),
+            (
+                small,
+                "faces of fewer than three corners, which are passed over",
+            ),
+            (left, "bytes behind its last element, which are passed over"),
+        ];
+        for (count, what) in counts.into_iter().filter(|(count, _)| *count > 0) {
+            parsed.warnings.push(format!("{quoted}: {what}: {count}"));
+        }
+        parsed.warnings.extend(uncut.warnings(path));
+        Ok(parsed)
+    }
 }
 
 #[cfg(test)]

@@ -8,10 +8,9 @@ mod package;
 use super::length_unit::LengthUnit;
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
-use crate::formats::limits::Budget;
+use crate::formats::limits::{Budget, Share};
 use crate::formats::placed_meshes::{NODE_LIMIT, PlacedMesh, PlacedMeshes};
 use crate::quote;
-use crate::scene::MeshData;
 use glam::DAffine3;
 use model::{Instance, Model, Shape};
 use package::Package;
@@ -48,110 +47,19 @@ pub(super) fn read(
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<PlacedMeshes, FormatError> {
-    let mut package = Package::open(path, bytes, budget)?;
-    let root = package.model()?;
-    let mut models = Models::default();
-    let mut share = budget.share(path, "the models", 0)?;
-    let mut held = 0;
-    let mut triangles = 0;
-    let mut model = |package: &mut Package<'_>, models: &mut Models, name: &str| {
-        let key = name.trim_start_matches('/').to_ascii_lowercase();
-        if let Some(&number) = models.names.get(&key) {
-            return Ok(number);
-        }
-        let part = package.part(name)?;
-        held += bytes_of(&part.text);
-        share.grow(path, "the models", held)?;
-        let left = budget.triangles_left().saturating_sub(triangles);
-        let model = model_reader::read(package, &part, left)?;
-        let meshes = model.objects.values().map(|object| match &object.shape {
-            Shape::Mesh(mesh) => mesh.triangles.len() as u64,
-            Shape::Components(_) | Shape::Taken(_) => 0,
-        });
-        triangles += meshes.sum::<u64>();
-        models.names.insert(key, models.models.len());
-        models.models.push(model);
-        models.parts.push(part.name);
-        Ok::<_, FormatError>(models.models.len() - 1)
+    let mut loader = Loader {
+        package: Package::open(path, bytes, budget)?,
+        path,
+        budget,
+        models: Models::default(),
+        share: budget.share(path, "the models", 0)?,
+        held: 0,
+        triangles: 0,
     };
-    let root = model(&mut package, &mut models, &root)?;
+    let root = loader.package.model()?;
+    let root = loader.model(&root)?;
     progress(0.5);
-
-    let mut placed = PlacedMeshes::default();
-    let mut on_the_way: HashSet<(usize, u32)> = HashSet::new();
-    let mut steps: Vec<Step> = Vec::new();
-    let mut count = 0;
-    let items = models.models[root].items.iter().rev();
-    steps.extend(items.map(|item| Step::Enter(Box::new((root, item.clone(), DAffine3::IDENTITY)))));
-    while let Some(step) = steps.pop() {
-        let (named_in, instance, world_from_outer) = match step {
-            Step::Enter(enter) => *enter,
-            Step::Leave(key) => {
-                on_the_way.remove(&key);
-                continue;
-            }
-        };
-        let place = |models: &Models, reason: &str| {
-            let line = Some(instance.line);
-            package.fault(&models.parts[named_in], line, reason)
-        };
-        count += 1;
-        if count > NODE_LIMIT {
-            let reason = format!("more than {NODE_LIMIT} items and components");
-            return Err(place(&models, &reason));
-        }
-        let number = match &instance.part {
-            Some(name) => model(&mut package, &mut models, name)?,
-            None => named_in,
-        };
-        let id = instance.object;
-        let world_from_object = if instance.outer_from_object == DAffine3::IDENTITY {
-            world_from_outer
-        } else if world_from_outer == DAffine3::IDENTITY {
-            instance.outer_from_object
-        } else {
-            world_from_outer * instance.outer_from_object
-        };
-        let fault =
-            |reason: &str| package.fault(&models.parts[named_in], Some(instance.line), reason);
-        if !world_from_object.is_finite() {
-            return Err(fault(
-                "expected a place of finite numbers, found one beyond them",
-            ));
-        }
-        let Some(object) = models.models[number].objects.get_mut(&id) else {
-            let reason = format!("expected the number of an object, found {id}");
-            return Err(fault(&reason));
-        };
-        let mesh = match &mut object.shape {
-            Shape::Taken(mesh) => *mesh,
-            Shape::Mesh(mesh) => {
-                let data: MeshData = std::mem::take(mesh);
-                placed.meshes.push(data);
-                object.shape = Shape::Taken(placed.meshes.len() - 1);
-                placed.meshes.len() - 1
-            }
-            Shape::Components(components) => {
-                if !on_the_way.insert((number, id)) {
-                    return Err(fault(&format!("object {id} is a part of itself")));
-                }
-                steps.push(Step::Leave((number, id)));
-                let inner = components.iter().rev().cloned();
-                steps.extend(
-                    inner.map(|inner| Step::Enter(Box::new((number, inner, world_from_object)))),
-                );
-                continue;
-            }
-        };
-        placed.nodes.push(PlacedMesh {
-            name: object
-                .name
-                .as_ref()
-                .map_or_else(String::new, |name| name.chars().take(200).collect()),
-            mesh,
-            world_from_object,
-        });
-    }
+    let mut placed = loader.place(root)?;
     progress(0.9);
     if placed.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
         let found = match placed.nodes.len() {
@@ -161,9 +69,128 @@ pub(super) fn read(
         return Err(FormatError::unexpected(path, None, "triangles", found));
     }
     name_the_nameless(path, &mut placed.nodes);
-    report(path, &models, root, &mut placed);
+    report(path, &loader.models, root, &mut placed);
     progress(1.0);
     Ok(placed)
+}
+
+/// Reads the models of a package, each once.
+struct Loader<'a> {
+    package: Package<'a>,
+    path: &'a Path,
+    budget: &'a Budget,
+    models: Models,
+    /// The memory that models take.
+    share: Share<'a>,
+    held: u64,
+    /// The triangles of all models.
+    triangles: u64,
+}
+
+impl Loader<'_> {
+    /// The number of a model, which is read if it is not known.
+    fn model(&mut self, name: &str) -> Result<usize, FormatError> {
+        let key = name.trim_start_matches('/').to_ascii_lowercase();
+        let models = &mut self.models;
+        if let Some(&number) = models.names.get(&key) {
+            return Ok(number);
+        }
+        let part = self.package.part(name)?;
+        self.held += bytes_of(&part.text);
+        self.share.grow(self.path, "the models", self.held)?;
+        let left = self.budget.triangles_left().saturating_sub(self.triangles);
+        let model = model_reader::read(&self.package, &part, left)?;
+        let meshes = model.objects.values().map(|object| match &object.shape {
+            Shape::Mesh(mesh) => mesh.triangles.len() as u64,
+            Shape::Components(_) | Shape::Taken(_) => 0,
+        });
+        self.triangles += meshes.sum::<u64>();
+        models.names.insert(key, models.models.len());
+        models.models.push(model);
+        models.parts.push(part.name);
+        Ok(models.models.len() - 1)
+    }
+
+    /// The meshes and their nodes that a model's build items lead to.
+    fn place(&mut self, root: usize) -> Result<PlacedMeshes, FormatError> {
+        let mut placed = PlacedMeshes::default();
+        let mut on_the_way: HashSet<(usize, u32)> = HashSet::new();
+        let items = self.models.models[root].items.iter().rev();
+        let enter = |number, inner, from| Step::Enter(Box::new((number, inner, from)));
+        let items = items.map(|item| enter(root, item.clone(), DAffine3::IDENTITY));
+        let mut steps: Vec<Step> = items.collect();
+        let mut count = 0;
+        while let Some(step) = steps.pop() {
+            let (named_in, instance, world_from_outer) = match step {
+                Step::Enter(enter) => *enter,
+                Step::Leave(key) => {
+                    on_the_way.remove(&key);
+                    continue;
+                }
+            };
+            count += 1;
+            if count > NODE_LIMIT {
+                let reason = format!("more than {NODE_LIMIT} items and components");
+                return Err(self.fault(named_in, &instance, &reason));
+            }
+            let number = match &instance.part {
+                Some(name) => self.model(name)?,
+                None => named_in,
+            };
+            let id = instance.object;
+            let world_from_object = product(world_from_outer, instance.outer_from_object);
+            if !world_from_object.is_finite() {
+                let reason = "expected a place of finite numbers, found one beyond them";
+                return Err(self.fault(named_in, &instance, reason));
+            }
+            let Some(object) = self.models.models[number].objects.get_mut(&id) else {
+                let reason = format!("expected the number of an object, found {id}");
+                return Err(self.fault(named_in, &instance, &reason));
+            };
+            let mesh = match &mut object.shape {
+                Shape::Taken(mesh) => *mesh,
+                Shape::Mesh(mesh) => {
+                    placed.meshes.push(std::mem::take(mesh));
+                    object.shape = Shape::Taken(placed.meshes.len() - 1);
+                    placed.meshes.len() - 1
+                }
+                Shape::Components(components) => {
+                    if !on_the_way.insert((number, id)) {
+                        let reason = format!("object {id} is a part of itself");
+                        return Err(self.fault(named_in, &instance, &reason));
+                    }
+                    steps.push(Step::Leave((number, id)));
+                    let inner = components.iter().rev().cloned();
+                    steps.extend(inner.map(|inner| enter(number, inner, world_from_object)));
+                    continue;
+                }
+            };
+            let name = object.name.as_deref().unwrap_or_default();
+            placed.nodes.push(PlacedMesh {
+                name: name.chars().take(200).collect(),
+                mesh,
+                world_from_object,
+            });
+        }
+        Ok(placed)
+    }
+
+    /// A fault of an item or a component in a model.
+    fn fault(&self, model: usize, instance: &Instance, reason: &str) -> FormatError {
+        let part = &self.models.parts[model];
+        self.package.fault(part, Some(instance.line), reason)
+    }
+}
+
+/// The product of two transforms; exactly one of them where the other is the identity.
+fn product(outer: DAffine3, inner: DAffine3) -> DAffine3 {
+    if inner == DAffine3::IDENTITY {
+        outer
+    } else if outer == DAffine3::IDENTITY {
+        inner
+    } else {
+        outer * inner
+    }
 }
 
 /// An upper bound of the memory that a model part's contents take.

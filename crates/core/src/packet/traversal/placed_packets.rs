@@ -98,26 +98,8 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 if placed.bounds.seen != 0 {
                     let lane = placed.bounds.seen.trailing_zeros() as usize & (LANES - 1);
                     placed.bounds.seen &= placed.bounds.seen - 1;
-                    let primitive = self.batch.primitives[lane];
-                    let near = (self.reference).relative_above(placed.bounds.nearest[lane]);
-                    let around = placed.bounds.of(lane);
-                    let cells = places.cells_touched(lanes, &around);
-                    if zbuffer.occludes_cells(lanes, cells, near) {
-                        continue;
-                    }
-                    if placed.small >> lane & 1 != 0 {
-                        let small = (placed.small(lane), primitive);
-                        let decisions = &mut self.decisions;
-                        let within = (cells, &around);
-                        if zbuffer.rasterize_small_at(lanes, places, small, within, decisions) {
-                            descent.merged_small = true;
-                            self.counts.triangles += 1;
-                        }
-                    } else if places.has_ray_within(lanes, cells, &around) {
-                        boxes[self.queued.len & (LANES - 1)] = around;
-                        self.queued.push(primitive);
-                        covered += (cells.count_ones() as usize * ROW) as i32;
-                    }
+                    let at = (places, &placed, lane);
+                    covered += self.queue_or_merge(lanes, at, &mut boxes, &mut descent, zbuffer);
                     continue;
                 }
                 if covered >= MANY_RAYS {
@@ -166,5 +148,38 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             descent.merged_small = false;
             descent.limits = self.limits(lanes, zbuffer);
         }
+    }
+
+    /// Merges one of the batch's triangles if it is small, and queues it for set-up otherwise; neither where it is occluded.
+    /// Returns how many rays it may cover.
+    #[inline(always)]
+    fn queue_or_merge(
+        &mut self,
+        lanes: impl Lanes,
+        (places, placed, lane): (&Places, &PlacedTriangles, usize),
+        boxes: &mut [PlaceBox; LANES],
+        descent: &mut Descent,
+        zbuffer: &mut IntervalZBuffer,
+    ) -> i32 {
+        let primitive = self.batch.primitives[lane];
+        let near = (self.reference).relative_above(placed.bounds.nearest[lane]);
+        let around = placed.bounds.of(lane);
+        let cells = places.cells_touched(lanes, &around);
+        if zbuffer.occludes_cells(lanes, cells, near) {
+            return 0;
+        }
+        if placed.small >> lane & 1 != 0 {
+            let small = (placed.small(lane), primitive);
+            let decisions = &mut self.decisions;
+            if zbuffer.rasterize_small_at(lanes, places, small, (cells, &around), decisions) {
+                descent.merged_small = true;
+                self.counts.triangles += 1;
+            }
+        } else if places.has_ray_within(lanes, cells, &around) {
+            boxes[self.queued.len & (LANES - 1)] = around;
+            self.queued.push(primitive);
+            return (cells.count_ones() as usize * ROW) as i32;
+        }
+        0
     }
 }
