@@ -35,6 +35,10 @@ const CLOSE: f64 = 1.0 / UNIT;
 /// occluded; with one below the rounding hits are lost.
 const BEYOND: f32 = 1.0 + 1e-5;
 
+/// Boxes that begin closer to the eye are not skipped: a subnormal number is rounded by more than [`BEYOND`] allows. Any
+/// greater limit below the depths of scenes is as good.
+const LEAST: f32 = 1e-30;
+
 /// The depth key that others are relative to, zero where keys are absolute, and the unit of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DepthReference {
@@ -131,7 +135,7 @@ impl DepthReference {
     pub(super) fn key_of_box(self, projection: Projection, near: f32) -> f32 {
         let key = match projection {
             Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
-            _ if near > 0.0 => self.beyond / near,
+            _ if near > LEAST => self.beyond / near,
             _ => f32::INFINITY,
         };
         self.relative_above(key)
@@ -144,7 +148,7 @@ impl DepthReference {
         match projection {
             Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
             // The depth key is the inverse depth.
-            _ if hi_z > 0.0 => self.beyond / hi_z,
+            _ if hi_z > 0.0 => (self.beyond / hi_z).max(LEAST),
             _ => f32::INFINITY,
         }
     }
@@ -211,6 +215,21 @@ mod tests {
                 let hi_z = (relative as f32).next_down();
                 assert!(reference.furthest(projection, hi_z) >= off);
                 assert!(reference.key_of_box(projection, off) >= hi_z);
+            }
+        }
+    }
+
+    /// With the ordinary and with the short unit of depth.
+    #[test]
+    fn boxes_at_subnormal_depths_are_not_occluded() {
+        let eye = DVec3::new(0.0, 0.0, 1e-40);
+        let close = reference(1e-45, eye, Projection::Perspective);
+        assert_eq!(close.units(), UNIT);
+        for reference in [close, DepthReference::NONE] {
+            for near in [f32::from_bits(1), 1e-40, 1e-31] {
+                let key = reference.key_of_box(Projection::Perspective, near);
+                assert_eq!(key, f32::INFINITY);
+                assert!(reference.furthest(Projection::Perspective, f32::MAX) >= near);
             }
         }
     }
