@@ -1,6 +1,7 @@
 //! All frames in one file: an animated PNG or GIF.
 
 use super::opened_scene::OpenedScene;
+use super::write_behind::write_behind;
 use super::{Failure, warn};
 use crate::cli::{FrameRange, RenderArgs};
 use crate::memory;
@@ -11,7 +12,6 @@ use raycast_core::picture::{
 };
 use std::ffi::OsStr;
 use std::path::Path;
-use std::sync::mpsc::sync_channel;
 
 /// The default frames a second.
 const RATE: u16 = 25;
@@ -89,32 +89,21 @@ impl AnimationFormat {
             }
             Self::Gif => Animation::Gif(AnimatedGif::new(&mut file, size, rate, is_opaque)?),
         };
-        std::thread::scope(|scope| {
-            let (send, receive) = sync_channel::<Picture>(0);
-            let writer = scope.spawn(move || -> Result<(), Failure> {
-                for picture in receive {
-                    animation.add(&picture)?;
-                    progress.done(1);
+        let write = |picture: Picture| -> Result<(), Failure> {
+            animation.add(&picture)?;
+            progress.done(1);
+            Ok(())
+        };
+        write_behind(write, |send| {
+            for frame in range.numbers() {
+                if send.send(render(frame)?).is_err() {
+                    // The writer failed, and returns the error.
+                    break;
                 }
-                Ok(animation.finish()?)
-            });
-            let mut render_all = || -> Result<(), Failure> {
-                for frame in range.numbers() {
-                    if send.send(render(frame)?).is_err() {
-                        // The writer failed, and returns the error.
-                        break;
-                    }
-                }
-                Ok(())
-            };
-            let cast = render_all();
-            drop(send);
-            let written = writer
-                .join()
-                .unwrap_or_else(|_| Err(Failure::could_not("a frame could not be written")));
-            // The error of a frame that could not be rendered explains why the file is incomplete.
-            cast.and(written)
+            }
+            Ok(())
         })?;
+        animation.finish()?;
         file.finish()
     }
 }

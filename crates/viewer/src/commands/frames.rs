@@ -4,6 +4,7 @@ use super::animation::AnimationFormat;
 use super::banded::Banded;
 use super::opened_scene::OpenedScene;
 use super::render::{render_rect, sub_camera_at};
+use super::write_behind::write_behind;
 use super::{Failure, workers};
 use crate::cli::{FrameRange, RenderArgs, frame_path};
 use crate::memory;
@@ -18,7 +19,6 @@ use raycast_core::render::{TileStats, View};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
 /// Renders the requested frames.
@@ -229,59 +229,48 @@ fn write_each(
         progress.done(1);
         Ok(())
     };
-    std::thread::scope(|scope| {
-        // One frame waits while another is written, so that no more are in memory.
-        let (send, receive) = sync_channel::<RenderedFrame>(0);
-        let writer = scope.spawn(move || receive.into_iter().try_for_each(write));
-        let mut render_all = || -> Result<(), Failure> {
-            for frame in frames.range.numbers() {
-                let path = frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
-                let view = frames.view(frame)?;
-                let recipe = Recipe::of(&view);
-                let rect = match args.tiles.sub_camera {
-                    Some(cell) => sub_camera_at(view.camera, args.tiles.grid(), cell)?.rect,
-                    None => view.camera.whole().rect,
-                };
-                if is_complete(&path, format, &recipe, rect, is_part) {
-                    progress.done(1);
-                    continue;
-                }
-                let output = Output::at(&path, &[])?;
-                let banded = match is_part {
-                    true => None,
-                    false => Banded::new(&path, format, &recipe, &output, args.resume)?,
-                };
-                if let Some(banded) = banded {
-                    let quiet = TerminalProgress::hidden();
-                    banded
-                        .write(&quiet, |rect| render(&view, rect, sum))?
-                        .finish()?;
-                    progress.done(1);
-                    continue;
-                }
-                // The frame that is being written, and the next.
-                let memory_for = |columns, rows| 2 * format.memory_for(columns, rows);
-                memory::check_picture(&path, (rect.width, rect.height), memory_for, "")?;
-                let picture = render(&view, rect, sum)?;
-                let cast = RenderedFrame {
-                    output,
-                    recipe,
-                    rect,
-                    picture,
-                };
-                if send.send(cast).is_err() {
-                    // The writer failed, and returns the error.
-                    break;
-                }
+    write_behind(write, |send| {
+        for frame in frames.range.numbers() {
+            let path = frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
+            let view = frames.view(frame)?;
+            let recipe = Recipe::of(&view);
+            let rect = match args.tiles.sub_camera {
+                Some(cell) => sub_camera_at(view.camera, args.tiles.grid(), cell)?.rect,
+                None => view.camera.whole().rect,
+            };
+            if is_complete(&path, format, &recipe, rect, is_part) {
+                progress.done(1);
+                continue;
             }
-            Ok(())
-        };
-        let cast = render_all();
-        drop(send);
-        let written = writer
-            .join()
-            .unwrap_or_else(|_| Err(Failure::could_not("a frame could not be written")));
-        written.and(cast)
+            let output = Output::at(&path, &[])?;
+            let banded = match is_part {
+                true => None,
+                false => Banded::new(&path, format, &recipe, &output, args.resume)?,
+            };
+            if let Some(banded) = banded {
+                let quiet = TerminalProgress::hidden();
+                banded
+                    .write(&quiet, |rect| render(&view, rect, sum))?
+                    .finish()?;
+                progress.done(1);
+                continue;
+            }
+            // The frame that is being written, and the next.
+            let memory_for = |columns, rows| 2 * format.memory_for(columns, rows);
+            memory::check_picture(&path, (rect.width, rect.height), memory_for, "")?;
+            let picture = render(&view, rect, sum)?;
+            let cast = RenderedFrame {
+                output,
+                recipe,
+                rect,
+                picture,
+            };
+            if send.send(cast).is_err() {
+                // The writer failed, and returns the error.
+                break;
+            }
+        }
+        Ok(())
     })
 }
 

@@ -20,6 +20,7 @@ mod stitch;
 mod sub_cameras;
 mod texture_map;
 mod verify;
+mod write_behind;
 
 use crate::failure::Failure;
 
