@@ -333,6 +333,7 @@ mod tests {
     use super::*;
     use crate::math;
     use crate::random::Random;
+    use glam::DVec2;
 
     /// Calibrated and arbitrary lenses.
     fn lenses() -> impl Iterator<Item = BrownConrady> {
@@ -384,7 +385,7 @@ mod tests {
                     let start = random.point() * region.reach * 0.1;
                     let start = [[found.x + start.x], [-found.y + start.y]];
                     if let Some([[x], [y]]) = lens.undistort_from(&region, [&[a], &[-b]], start) {
-                        let off = (x - found.x).hypot(y + found.y);
+                        let off = DVec2::new(x - found.x, y + found.y).length();
                         assert!(off < 720.0 * f64::EPSILON, "{lens} {a} {b}: {off:e}");
                         count += 1;
                     }
@@ -421,10 +422,10 @@ mod tests {
                     for (at, &to) in each.iter_mut().zip(&places) {
                         let near = Near::of(&lens, at[0], at[1]).expect("J is definite within r");
                         let by = near.step(to);
-                        let length = by[0].hypot(by[1]);
+                        let length = DVec2::from_array(by).length();
                         assert!(length <= next.step + rounding, "{lens} {place:?} {step}");
                         *at = [at[0] - by[0], at[1] - by[1]];
-                        let off = (at[0] - next.centre[0]).hypot(at[1] - next.centre[1]);
+                        let off = DVec2::from_array(*at).distance(next.centre.into());
                         assert!(off <= next.within + rounding, "{lens} {place:?} {step}");
                         if next.step > 1e-9 {
                             longest[step] = longest[step].max(length / next.step);

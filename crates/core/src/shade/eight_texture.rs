@@ -54,7 +54,7 @@ impl Sides {
         let corners = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
         let normals = [[dx, dy, dz], [ex, ey, ez], [fx, fy, fz]];
         let weights = [lanes.load(u), lanes.load(v)];
-        let (weights, sides) = triplanar.eight_sides(lanes, (corners, normals), weights);
+        let (weights, sides) = triplanar.eight_sides(lanes, corners, normals, weights);
         self.weights = weights.store().0;
         self.uv = sides;
         self.count = 3;

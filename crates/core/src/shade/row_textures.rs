@@ -157,7 +157,7 @@ impl RowTextures {
                 }
             }
             (Mapping::Triplanar(corners, normals), Some(triplanar)) => {
-                let between = (splat(lanes, corners), splat(lanes, normals));
+                let between = [splat(lanes, corners), splat(lanes, normals)];
                 for at in eights((span.first, span.end)) {
                     let weights = eight_along(lanes, &along, xs.eight(at)).xyz();
                     let weights = eight_weights_of(lanes, weights);
@@ -192,11 +192,11 @@ impl RowTextures {
         &mut self,
         lanes: L,
         triplanar: &Triplanar,
-        between: ([[L::F32; 3]; 3], [[L::F32; 3]; 3]),
+        [corners, normals]: [[[L::F32; 3]; 3]; 2],
         at: usize,
         weights: [L::F32; 2],
     ) {
-        let (weights, sides) = triplanar.eight_sides(lanes, between, weights);
+        let (weights, sides) = triplanar.eight_sides(lanes, corners, normals, weights);
         for (numbers, weights) in self.weights.iter_mut().zip(weights.xyz()) {
             weights.store(numbers.eight_mut(at));
         }

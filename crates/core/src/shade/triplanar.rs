@@ -61,7 +61,8 @@ impl Triplanar {
     pub(super) fn eight_sides<L: Lanes>(
         &self,
         lanes: L,
-        (corners, normals): ([[L::F32; 3]; 3], [[L::F32; 3]; 3]),
+        corners: [[L::F32; 3]; 3],
+        normals: [[L::F32; 3]; 3],
         [u, v]: [L::F32; 2],
     ) -> (Vectors<L>, [[[f64; LANES]; 2]; 3]) {
         let point = Vectors::between(lanes, corners, u, v).store().0;
