@@ -122,7 +122,9 @@ mod tests {
         let mut random = Random(83);
         let (mut sure, mut close) = (0, 0);
         for round in 0..6000 {
-            let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
+            // Narrow views, too, in which directions are rounded by more than they differ.
+            let pitch = 0.02 * 0.1f64.powi((random.unit() * 12.0) as i32);
+            let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
             let eye = random.point();
             let placement = Placement::towards(eye, eye + random.point().normalize());
             let camera = Camera::new(placement, Projection::Perspective, plane);

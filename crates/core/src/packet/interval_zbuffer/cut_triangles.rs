@@ -124,14 +124,6 @@ impl Cut {
     }
 }
 
-/// As [`Cut::moved`].
-#[inline(always)]
-fn all_moved(cuts: &mut [Cut], columns: f32) {
-    for cut in cuts {
-        *cut = cut.moved(columns);
-    }
-}
-
 impl IntervalZBuffer {
     /// Rasterises a triangle that clipping planes cut. Returns `false`, without doing anything, where no plane cuts
     /// it.
@@ -170,7 +162,9 @@ impl IntervalZBuffer {
             };
             let first = row * SIDE + column + x;
             self.rasterize_cut_rows(lanes, &here, &cuts[..count], first, bottom - row, decisions);
-            all_moved(&mut cuts[..count], ROW as f32);
+            for cut in &mut cuts[..count] {
+                *cut = cut.moved(ROW as f32);
+            }
         }
         let (first, last) = (column / ROW, right.max(column + ROW - 1) / ROW);
         let columns = (1u32 << (last + 1)) - (1 << first);
