@@ -72,7 +72,8 @@ cases! {
     thin_boxes_behind_one_another tiny_and_far layers_in_one_plane
     layers_a_rounding_apart layers_apart_by_subnormal_numbers eye_next_to_a_corner_of_layers
     eye_at_a_vertex_of_thousands_far_from_the_origin eye_between_layers
-    eye_a_subnormal_number_from_planes
+    eye_a_subnormal_number_from_planes rays_through_edges_of_one_plane
+    triangles_of_a_rounded_plane layers_that_cross_by_subnormal_numbers
 }
 
 #[test]

@@ -453,3 +453,56 @@ fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
         assert!(hits > 1500 && most_shown > 2, "{hits} {most_shown}");
     }
 }
+
+/// Rays that hit as many triangles of one plane, or of layers closer together than single precision distinguishes, as
+/// there are: packets order all of them, and leave few rays to be cast one by one.
+#[test]
+fn triangles_in_or_next_to_one_plane_are_ordered_by_packets() {
+    let mut random = Random(61);
+    // Integer corners, that rays go exactly through.
+    let integer = |random: &mut Random| (random.point() * 8.0).round().with_z(0.0);
+    let tilted = |random: &mut Random| {
+        let at = random.point() * 8.0;
+        at.with_z(0.37 * at.x + 0.21 * at.y)
+    };
+    let subnormal = |random: &mut Random| {
+        let at = random.point() * 8.0;
+        at.with_z((at.z * 2000.0).round() * f64::from(f32::from_bits(1)))
+    };
+    let planes: [(&dyn Fn(&mut Random) -> DVec3, _); 3] =
+        [(&integer, 1000), (&tilted, 20), (&subnormal, 20)];
+    for (corner, most_undecided) in planes {
+        let count = 400;
+        // One in four is small.
+        let positions = (0..count).flat_map(|triangle| {
+            let [a, b, c] = [(); 3].map(|()| corner(&mut random));
+            let size = if triangle % 4 == 0 { 0.25 } else { 1.0 };
+            [a, a + (b - a) * size, a + (c - a) * size]
+        });
+        let positions: Vec<_> = positions.collect();
+        let triangles = (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let accel = build([mesh(positions, triangles)]);
+        // The last rays start between the triangles.
+        for (projection, distance) in [
+            (Projection::Perspective, 16.0),
+            (Projection::Orthographic, 16.0),
+            (Projection::Orthographic, 1.0),
+            (Projection::Orthographic, 1e-42),
+        ] {
+            let camera = front(DVec3::new(0.5, 0.5, 0.0), distance, 0.25, projection);
+            assert_tiles_equal_rays(&accel, camera);
+            let mut primitives = Vec::new();
+            let lattice = whole(camera);
+            let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+            let undecided = counts.double_rays + counts.exact_rays;
+            assert!(
+                counts.hits > 1500,
+                "{projection:?} {distance}: {}",
+                counts.hits
+            );
+            if distance == 16.0 {
+                assert!(undecided < most_undecided, "{projection:?}: {undecided}");
+            }
+        }
+    }
+}

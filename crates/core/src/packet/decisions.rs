@@ -1,12 +1,12 @@
 //! Decisions about triangles that hold for all rays of a lattice, or of a packet, each made once.
 
 use super::plane_along_rays::PlaneAlongRays;
-use super::plane_order::{PlacesWithin, PlaneOrders};
+use super::plane_order::{PlaneOrder, PlaneOrders};
 use super::setup::PacketSpace;
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection};
 use crate::hit::Precision;
-use crate::num::simd::{LANES, Simd};
+use crate::num::simd::Simd;
 use crate::triangle::clip::{AtCorners, AtEye, Clip};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
@@ -83,18 +83,6 @@ impl<'a> Decisions<'a> {
         self.edge_on.is(primitive, self.accel.corners(primitive))
     }
 
-    /// For two triangles of one plane, the one that every ray hitting both hits first: that with the lower primitive
-    /// id. `None` if they do not lie in one plane.
-    #[inline(never)]
-    pub(super) fn first_in_one_plane(&mut self, a: u32, b: u32) -> Option<u32> {
-        let is_one_plane = self.precision == Precision::Exact
-            && self
-                .coplanar
-                .are(a, b, |primitive| self.accel.corners(primitive));
-        let id = |primitive: u32| self.accel.id(primitive);
-        is_one_plane.then(|| if id(a) < id(b) { a } else { b })
-    }
-
     /// Begins a packet: triangles are ordered, and cut, along its rays.
     pub(super) fn set_rays(&mut self, space: &PacketSpace) {
         self.plane_orders.set_rays(space);
@@ -104,29 +92,19 @@ impl<'a> Decisions<'a> {
             .extend(planes.map(|plane| space.along_rays(plane)));
     }
 
-    /// Of eight rays, as bits, those for which the first of two triangles is surely nearer where they hit both, and
-    /// those for which the second is.
+    /// The order of two triangles along the packet's rays. All rays that hit two triangles of one plane hit the one with the
+    /// lower primitive id first.
     #[inline(never)]
-    pub(super) fn order_of_eight(
-        &mut self,
-        pair: [u32; 2],
-        places: (&[f32; LANES], &[f32; LANES]),
-    ) -> [u32; 2] {
+    pub(super) fn order(&mut self, pair: [u32; 2]) -> PlaneOrder {
         if self.precision == Precision::Fast {
-            return [0; 2];
+            return PlaneOrder::UNKNOWN;
         }
-        let corners = |primitive: u32| self.accel.corners(primitive);
-        self.plane_orders.of_eight(pair, places, corners)
-    }
-
-    /// Whether the first of two triangles is the closer hit for all rays of a box of places that hit both.
-    #[inline(never)]
-    pub(super) fn is_first_within(&mut self, pair: [u32; 2], places: &PlacesWithin) -> bool {
-        if self.precision == Precision::Fast {
-            return false;
-        }
-        let corners = |primitive: u32| self.accel.corners(primitive);
-        self.plane_orders.is_first_within(pair, places, corners)
-            || self.first_in_one_plane(pair[0], pair[1]) == Some(pair[0])
+        let (accel, coplanar) = (self.accel, &mut self.coplanar);
+        let corners = |primitive: u32| accel.corners(primitive);
+        let [first, second] = pair;
+        self.plane_orders.order(pair, corners, || {
+            let are_coplanar = coplanar.are(first, second, corners);
+            are_coplanar.then(|| accel.id(first) < accel.id(second))
+        })
     }
 }

@@ -12,6 +12,7 @@ mod depth_merge;
 mod edge_functions;
 mod provisional;
 mod rasterize;
+mod sure_hits;
 #[cfg(test)]
 mod tests;
 
@@ -22,6 +23,7 @@ use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 pub(crate) use provisional::SmallOutcome;
+use sure_hits::SureHits;
 
 /// Rays in a packet.
 const RAYS: usize = SIDE * SIDE;
@@ -59,6 +61,8 @@ pub(crate) struct IntervalZBuffer {
     contested: [u8; CELLS * CELLS],
     /// For each undecided ray, the triangles that it is undecided between.
     rivals: Rivals,
+    /// For each cell, triangles that its rays surely hit.
+    sure_hits: SureHits,
     /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
     start_key: f32,
 }
@@ -73,6 +77,7 @@ impl IntervalZBuffer {
             dirty: 0,
             contested: [0; CELLS * CELLS],
             rivals: Rivals::default(),
+            sure_hits: SureHits::default(),
             start_key: f32::INFINITY,
         }
     }
@@ -88,6 +93,7 @@ impl IntervalZBuffer {
         self.dirty = 0;
         self.contested = [0; CELLS * CELLS];
         self.rivals.clear();
+        self.sure_hits.clear();
         self.start_key = start_key;
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
@@ -117,6 +123,25 @@ impl IntervalZBuffer {
     /// The rivals of an undecided ray, after sorting: see [`Rivals::of`].
     pub(crate) fn rivals(&self, row: u32, column: u32) -> Option<&[(u32, u32)]> {
         self.rivals.of(row as usize * SIDE + column as usize)
+    }
+
+    /// Leaves a ray undecided between a triangle and what it had before.
+    fn leave_ray_undecided(&mut self, ray: usize, primitive: u32) {
+        let stored = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
+        if stored != UNDECIDED {
+            self.rivals.begin(ray, stored_primitive(stored));
+        }
+        self.rivals.push(ray, primitive);
+    }
+
+    /// A triangle that a ray surely hits, given its stored entry: its closest hit so far, or a sure hit of an undecided
+    /// ray. `None` where none is known.
+    fn sure_hit(&self, ray: usize, stored: u32) -> Option<u32> {
+        if stored == UNDECIDED {
+            self.rivals.sure_hit(ray)
+        } else {
+            stored_primitive(stored)
+        }
     }
 
     /// The primitive index of a stored entry, or [`MISS`].
@@ -225,6 +250,7 @@ impl IntervalZBuffer {
     pub(crate) fn update_hi_z(&mut self, lanes: impl Lanes) {
         let mut dirty = self.dirty & ((1 << (CELLS * CELLS)) - 1);
         self.dirty = 0;
+        self.sure_hits.outdate(dirty);
         while dirty != 0 {
             let cell = dirty.trailing_zeros() as usize % (CELLS * CELLS);
             dirty &= dirty - 1;

@@ -40,9 +40,9 @@ const PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
 /// share rays are cast one by one; with a smaller one pairs are computed again for rays that do not exist.
 const ACCURATE: f64 = 1.0 / (1u64 << 16) as f64;
 
-/// Pairs of triangles, and planes, in the cache. A cell seldom shows more triangles at once; more entries would push
-/// the packet out of the first-level cache.
-const CACHED: usize = 16;
+/// Pairs of triangles, and planes, in the caches: 4 and 8 kB. A cell seldom shows more triangles at once. With a quarter, the
+/// planes that a few cells show evict one another; with four times as many nothing is gained.
+const CACHED: usize = 64;
 
 /// A triangle's plane, its normal turned to the side that rays go to; `None` where it is not sure how rays cross it.
 type TurnedPlane = Option<Plane>;
@@ -64,7 +64,7 @@ fn turned(space: &PacketSpace, corners: [Vec3; 3]) -> TurnedPlane {
 
 /// The order of two triangles along the rays of a packet.
 #[derive(Clone, Copy, Debug)]
-struct PlaneOrder {
+pub(super) struct PlaneOrder {
     /// F: positive where the first triangle is nearer.
     function: Linear,
     /// Bound on its error; NaN or infinite where nothing is known.
@@ -72,7 +72,7 @@ struct PlaneOrder {
 }
 
 impl PlaneOrder {
-    const UNKNOWN: Self = Self {
+    pub(super) const UNKNOWN: Self = Self {
         function: Linear {
             constant: 0.0,
             x: 0.0,
@@ -81,19 +81,41 @@ impl PlaneOrder {
         error: f64::INFINITY,
     };
 
+    /// The order along rays that all hit one of two triangles first: 1.0 for the first one, −1.0 for the second.
+    const fn constant(sign: f64) -> Self {
+        Self {
+            function: Linear {
+                constant: sign,
+                ..Self::UNKNOWN.function
+            },
+            error: 0.0,
+        }
+    }
+
     /// The order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
-    /// or with componentwise bounds.
+    /// or with componentwise bounds. `is_first_in_plane` says whether the two lie in one plane, and whether the first is
+    /// then hit first.
     fn new(
         plane: &TurnedPlane,
         [first, second]: [[Vec3; 3]; 2],
         in_double: &Edges,
         componentwise: impl FnOnce() -> Edges,
+        is_first_in_plane: impl FnOnce() -> Option<bool>,
     ) -> Self {
-        let Some(plane) = plane else {
-            return Self::UNKNOWN;
+        let in_plane = || {
+            is_first_in_plane().map(|is_first| Self::constant(if is_first { 1.0 } else { -1.0 }))
         };
-        let order = Self::by_distances(second.map(|corner| plane.distance(corner)), in_double);
+        let Some(plane) = plane else {
+            return in_plane().unwrap_or(Self::UNKNOWN);
+        };
+        let distances = second.map(|corner| plane.distance(corner));
+        let order = Self::by_distances(distances, in_double);
         if order.uncertainty() <= ACCURATE {
+            return order;
+        }
+        let may_lie_in_plane =
+            (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST);
+        if may_lie_in_plane && let Some(order) = in_plane() {
             return order;
         }
         let distance = |corner| plane.distance_in_double_double(first, corner);
@@ -123,13 +145,7 @@ impl PlaneOrder {
         };
         for sign in [1.0, -1.0] {
             if are_all(sign) {
-                return Self {
-                    function: Linear {
-                        constant: sign,
-                        ..Self::UNKNOWN.function
-                    },
-                    error: 0.0,
-                };
+                return Self::constant(sign);
             }
         }
         let Some(edges) = edges else {
@@ -151,8 +167,9 @@ impl PlaneOrder {
         }
     }
 
-    /// Rays, as bits, for which the first triangle is surely nearer, and those for which the second is.
-    fn of_eight(&self, (x, y): (&[f32; LANES], &[f32; LANES])) -> [u32; 2] {
+    /// Of eight rays that hit both triangles, as bits, those for which the first is surely nearer, and those for which the
+    /// second is.
+    pub(super) fn of_eight(&self, (x, y): (&[f32; LANES], &[f32; LANES])) -> [u32; 2] {
         let Linear {
             constant,
             x: right,
@@ -167,8 +184,8 @@ impl PlaneOrder {
         [first, second]
     }
 
-    /// Whether the first triangle is surely nearer for all rays of a box of places.
-    fn is_first_within(&self, places: &PlacesWithin) -> bool {
+    /// Whether the first triangle is surely nearer for all rays of a box of places that hit both.
+    pub(super) fn is_first_within(&self, places: &PlacesWithin) -> bool {
         let Linear { constant, x, y } = self.function;
         let PlacesWithin { centre, half } = *places;
         let value = constant + x * centre[0] + y * centre[1];
@@ -200,93 +217,111 @@ impl PlacesWithin {
 pub(super) struct PlaneOrders {
     /// The packet's rays; `None` before the first packet.
     space: Option<PacketSpace>,
-    /// Whether the cache holds what is known along another packet's rays.
-    is_stale: bool,
-    /// Allocated on first use, since most pictures need none.
-    cache: Option<Box<Cache>>,
-}
-
-/// What is known of the triangles that were ordered last.
-#[derive(Debug)]
-struct Cache {
-    /// By the low bits of the primitive index.
-    planes: [(u32, TurnedPlane); CACHED],
+    /// Counts packets: what is cached along another packet's rays is of no use.
+    packet: u32,
+    /// By the low bits of the primitive index. Empty before the first use, since most pictures need none.
+    planes: Vec<Cached<u32, TurnedPlane>>,
     /// Of the triangle that was last ordered with others.
-    edges: (u32, Edges),
-    /// By the low bits of the sum of both primitive indices.
-    orders: [([u32; 2], PlaneOrder); CACHED],
+    edges: Cached<u32, Edges>,
+    /// By the low bits of a sum of both primitive indices.
+    orders: Vec<Cached<[u32; 2], PlaneOrder>>,
 }
 
-impl Cache {
-    const EMPTY: Self = Self {
-        planes: [(MISS, None); CACHED],
-        edges: (MISS, None),
-        orders: [([MISS; 2], PlaneOrder::UNKNOWN); CACHED],
-    };
+/// What is known of a triangle, or of two, along the rays of a packet.
+#[derive(Clone, Debug)]
+struct Cached<K, V> {
+    of: K,
+    packet: u32,
+    known: V,
+}
+
+impl<K: PartialEq, V> Cached<K, V> {
+    /// What is known, or what `find` says.
+    fn get(&mut self, of: K, packet: u32, find: impl FnOnce() -> V) -> &V {
+        if self.of != of || self.packet != packet {
+            *self = Self {
+                known: find(),
+                of,
+                packet,
+            };
+        }
+        &self.known
+    }
 }
 
 impl PlaneOrders {
     pub(super) fn new() -> Self {
         Self {
             space: None,
-            is_stale: false,
-            cache: None,
+            packet: 0,
+            planes: Vec::new(),
+            edges: Cached {
+                of: MISS,
+                packet: 0,
+                known: None,
+            },
+            orders: Vec::new(),
         }
     }
 
     /// Sets the rays that triangles are ordered along.
     pub(super) fn set_rays(&mut self, space: &PacketSpace) {
         self.space = Some(space.clone());
-        self.is_stale = true;
+        self.packet = self.packet.wrapping_add(1);
     }
 
-    /// Of eight rays, as bits, those for which the first of two triangles is surely nearer where they hit both, and
-    /// those for which the second is. `corners` gives those of a primitive index.
-    pub(super) fn of_eight(
+    /// The order of two triangles. `corners` gives those of a primitive index; `is_first_in_plane` says whether the two lie in
+    /// one plane, and whether the first is then hit first.
+    pub(super) fn order(
         &mut self,
         pair: [u32; 2],
-        places: (&[f32; LANES], &[f32; LANES]),
         corners: impl Fn(u32) -> [Vec3; 3],
-    ) -> [u32; 2] {
-        self.order(pair, corners).of_eight(places)
-    }
-
-    /// Whether the first of two triangles is surely nearer for all rays of a box of places that hit both.
-    pub(super) fn is_first_within(
-        &mut self,
-        pair: [u32; 2],
-        places: &PlacesWithin,
-        corners: impl Fn(u32) -> [Vec3; 3],
-    ) -> bool {
-        self.order(pair, corners).is_first_within(places)
-    }
-
-    fn order(&mut self, pair: [u32; 2], corners: impl Fn(u32) -> [Vec3; 3]) -> PlaneOrder {
-        let Some(space) = &self.space else {
+        is_first_in_plane: impl FnOnce() -> Option<bool>,
+    ) -> PlaneOrder {
+        let Self {
+            space: Some(space),
+            packet,
+            planes,
+            edges,
+            orders,
+        } = self
+        else {
             return PlaneOrder::UNKNOWN;
         };
-        let cache = self.cache.get_or_insert_with(|| Box::new(Cache::EMPTY));
-        if std::mem::take(&mut self.is_stale) {
-            **cache = Cache::EMPTY;
+        if orders.is_empty() {
+            let no_plane = Cached {
+                of: MISS,
+                packet: 0,
+                known: None,
+            };
+            let no_order = Cached {
+                of: [MISS; 2],
+                packet: 0,
+                known: PlaneOrder::UNKNOWN,
+            };
+            planes.resize(CACHED, no_plane);
+            orders.resize(CACHED, no_order);
         }
         let [first, second] = pair;
-        let (cached, order) = &mut cache.orders[first.wrapping_add(second) as usize % CACHED];
-        if *cached != pair {
-            let (of, plane) = &mut cache.planes[first as usize % CACHED];
-            if *of != first {
-                (*of, *plane) = (first, turned(space, corners(first)));
-            }
-            let of_second = corners(second);
-            if cache.edges.0 != second {
+        // Multiplied, so that neighbours of two triangles that are neighbours have entries of their own.
+        let entry = first.wrapping_mul(5).wrapping_add(second) as usize % CACHED;
+        let order = orders[entry].get(pair, *packet, || {
+            let [of_first, of_second] = pair.map(&corners);
+            let plane =
+                planes[first as usize % CACHED].get(first, *packet, || turned(space, of_first));
+            let edges = edges.get(second, *packet, || {
                 let edges = space.edges_in_double(of_second);
-                let edges = edges.map(|(edges, error)| edges.map(|edge| (edge, error)));
-                cache.edges = (second, edges);
-            }
-            let both = [corners(first), of_second];
+                edges.map(|(edges, error)| edges.map(|edge| (edge, error)))
+            });
             let componentwise = || space.edges_componentwise(of_second);
-            *cached = pair;
-            *order = PlaneOrder::new(plane, both, &cache.edges.1, componentwise);
-        }
+            PlaneOrder::new(
+                plane,
+                [of_first, of_second],
+                edges,
+                componentwise,
+                is_first_in_plane,
+            )
+        });
         *order
     }
 }

@@ -1,5 +1,12 @@
 //! The rivals of undecided rays: the triangles of which one is the ray's closest hit, if anything is. A single ray
 //! tests these alone, and does not traverse the tree.
+//!
+//! A triangle that is surely further than one that the ray surely hits is no rival. So one sure hit of each undecided ray
+//! is kept: without it every later triangle would be a rival of a ray once it is undecided, and thousands are where
+//! triangles of one plane overlap.
+
+use super::params::SIDE;
+use crate::hit::MISS;
 
 /// The most rivals that a packet records: 64 a ray. With more, undecided rays would test as many triangles as
 /// traversing the tree does; with fewer, more of them traverse it.
@@ -10,6 +17,9 @@ const MOST: usize = 1 << 16;
 pub(crate) struct Rivals {
     /// The ray's index, in row order, and a primitive index.
     pairs: Vec<(u32, u32)>,
+    /// For each undecided ray a triangle that it surely hits, or [`MISS`]. Empty before the first undecided ray; entries
+    /// of other rays are meaningless.
+    sure_hits: Vec<u32>,
     overflowed: bool,
 }
 
@@ -28,12 +38,28 @@ impl Rivals {
         }
     }
 
-    /// Records a triangle, and the one that was the ray's decided closest hit before, if any.
-    pub(super) fn push_both(&mut self, ray: usize, before: Option<u32>, primitive: u32) {
+    /// Begins the list of a ray that was decided until now, with the closest hit that it had, if any.
+    pub(super) fn begin(&mut self, ray: usize, before: Option<u32>) {
+        if self.sure_hits.is_empty() {
+            self.sure_hits.resize(SIDE * SIDE, MISS);
+        }
         if let Some(before) = before {
             self.push(ray, before);
         }
-        self.push(ray, primitive);
+        self.set_sure_hit(ray, before.unwrap_or(MISS));
+    }
+
+    /// Keeps, as the sure hit of an undecided ray, one of its rivals.
+    pub(super) fn set_sure_hit(&mut self, ray: usize, primitive: u32) {
+        if let Some(sure_hit) = self.sure_hits.get_mut(ray) {
+            *sure_hit = primitive;
+        }
+    }
+
+    /// The sure hit of an undecided ray, if one is known.
+    pub(super) fn sure_hit(&self, ray: usize) -> Option<u32> {
+        let sure_hit = self.sure_hits.get(ray).copied();
+        sure_hit.filter(|&primitive| primitive != MISS)
     }
 
     /// Sorts the pairs by ray, as [`Rivals::of`] needs them.
@@ -57,6 +83,21 @@ impl Rivals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ray_becomes_undecided_with_the_hit_that_it_had() {
+        let mut rivals = Rivals::default();
+        rivals.begin(3, Some(8));
+        rivals.begin(4, None);
+        rivals.push(4, 9);
+        rivals.sort();
+        assert_eq!((rivals.sure_hit(3), rivals.sure_hit(4)), (Some(8), None));
+        assert_eq!(rivals.of(3), Some(&[(3, 8)][..]));
+        rivals.set_sure_hit(4, 9);
+        assert_eq!(rivals.sure_hit(4), Some(9));
+        rivals.begin(4, None);
+        assert_eq!(rivals.sure_hit(4), None);
+    }
 
     #[test]
     fn rivals_are_grouped_by_ray_without_repetition() {

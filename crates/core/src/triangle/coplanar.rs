@@ -1,4 +1,4 @@
-//! Triangles that lie in exactly one plane: decided once a pair, for every ray that hits both.
+//! Triangles that lie in exactly one plane: decided once for every ray that hits both.
 //!
 //! A ray's line crosses a plane in one point, so it hits all triangles of the plane at one distance, and the lowest
 //! primitive id is the closest hit.
@@ -8,9 +8,9 @@ use super::exact::lies_in_plane;
 use crate::hit::MISS;
 use glam::Vec3;
 
-/// Pairs of triangles in the cache: 12 kB, beside the packet in the first-level cache. Pairs with the same hash evict
-/// one another: fewer entries decide pairs again, more push the packet out.
-const CACHED: usize = 1024;
+/// Triangles in the cache: 32 kB, allocated where triangles may share a plane. Triangles with the same hash evict one
+/// another: with fewer entries they are compared again, with more the cache pushes the packet out.
+const CACHED: usize = 4096;
 
 /// Whether two triangles lie in exactly one plane. Neither must be degenerate.
 pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
@@ -29,36 +29,46 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     corners.all(|(corner, sure)| sure == Some(false) || lies_in_plane(corner.as_dvec3(), a))
 }
 
-/// A cache of pairs of triangles, and whether each pair lies in one plane.
+/// Triangles that are known to share a plane with another.
 #[derive(Debug)]
 pub(crate) struct Coplanar {
-    /// Pairs of primitive indices, the lower first, and whether each is coplanar.
-    decided: Vec<([u32; 2], bool)>,
+    /// A primitive index, and that of a triangle in the same plane: the same one for all that were found to share it.
+    planes: Vec<[u32; 2]>,
 }
 
 impl Coplanar {
     pub(crate) fn new() -> Self {
-        Self {
-            decided: Vec::new(),
-        }
+        Self { planes: Vec::new() }
     }
 
-    /// Whether two triangles lie in exactly one plane; `corners` gives those of a primitive index.
+    /// Whether two triangles lie in one plane; `corners` gives those of a primitive index. Neither must be degenerate.
     pub(crate) fn are(&mut self, a: u32, b: u32, corners: impl Fn(u32) -> [Vec3; 3]) -> bool {
-        // Allocated on first use, since most pictures need no cache.
-        if self.decided.is_empty() {
-            self.decided.resize(CACHED, ([MISS; 2], false));
+        if self.planes.is_empty() {
+            self.planes.resize(CACHED, [MISS; 2]);
         }
-        let pair = [a.min(b), a.max(b)];
-        // Multiplying by an odd constant spreads neighbouring indices (Knuth, "The Art of Computer Programming",
-        // 6.4).
-        let hash = pair[0].wrapping_mul(0x9e37_79b1) ^ pair[1].wrapping_mul(0x85eb_ca6b);
-        let decided = &mut self.decided[(hash >> 22) as usize % CACHED];
-        if decided.0 != pair {
-            *decided = (pair, are_coplanar(corners(a), corners(b)));
+        let [plane_of_a, plane_of_b] = [a, b].map(|triangle| self.plane_of(triangle));
+        if plane_of_a == plane_of_b {
+            return true;
         }
-        decided.1
+        let are_coplanar = are_coplanar(corners(a), corners(b));
+        if are_coplanar {
+            for triangle in [a, b] {
+                self.planes[entry(triangle)] = [triangle, plane_of_a];
+            }
+        }
+        are_coplanar
     }
+
+    /// A triangle of the same plane.
+    fn plane_of(&self, triangle: u32) -> u32 {
+        let [known, plane] = self.planes[entry(triangle)];
+        if known == triangle { plane } else { triangle }
+    }
+}
+
+/// Multiplying by an odd constant spreads neighbouring indices (Knuth, "The Art of Computer Programming", 6.4).
+fn entry(triangle: u32) -> usize {
+    (triangle.wrapping_mul(0x9e37_79b1) >> 20) as usize % CACHED
 }
 
 #[cfg(test)]
@@ -107,15 +117,16 @@ mod tests {
     }
 
     #[test]
-    fn decisions_are_cached_by_pair() {
+    fn planes_are_told_apart_through_others() {
         let corners = |primitive: u32| {
             let height = (primitive % 3) as f32;
             [Vec3::X, Vec3::Y, Vec3::ONE].map(|corner| corner.with_z(height + corner.x))
         };
         let mut coplanar = Coplanar::new();
         for _ in 0..2 {
-            for a in 0..80 {
-                for b in 0..80 {
+            // More than the cache holds, so that entries evict one another.
+            for a in 0..2 * CACHED as u32 {
+                for b in [a + 1, a + 3, a / 2, a / 7 * 3] {
                     assert_eq!(coplanar.are(a, b, corners), a % 3 == b % 3, "{a} {b}");
                 }
             }

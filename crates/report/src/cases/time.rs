@@ -78,6 +78,9 @@ pub const TIMED_CASES: &[TimedCase] = &[
     ),
     timed("eye_between_layers", between_layers),
     timed("eye_a_subnormal_number_from_planes", next_to_planes),
+    timed("rays_through_edges_of_one_plane", integer_plane),
+    timed("triangles_of_a_rounded_plane", rounded_plane),
+    timed("layers_that_cross_by_subnormal_numbers", crossing_layers),
 ];
 
 macro_rules! case {
@@ -194,6 +197,24 @@ pub(super) const CASES: &[Case] = &[
         next_to_planes,
         (24, 18),
         "The eye in a plane that the corners of 4,000 triangles are in or 1e-45 beside: their inverse depths overflow single precision."
+    ),
+    case!(
+        "rays_through_edges_of_one_plane",
+        integer_plane,
+        (16, 12),
+        "12,000 overlapping triangles of one plane with integer corners, rays exactly through edges and corners: a ray that one edge leaves undecided may hit thousands."
+    ),
+    case!(
+        "triangles_of_a_rounded_plane",
+        rounded_plane,
+        (6, 4),
+        "15,000 overlapping triangles of a tilted plane, their corners rounded: each pair crosses."
+    ),
+    case!(
+        "layers_that_cross_by_subnormal_numbers",
+        crossing_layers,
+        (6, 4),
+        "16,000 overlapping triangles of a plane but for corners up to 2e-41 off it: each pair crosses."
     ),
 ];
 
@@ -493,4 +514,51 @@ fn next_to_planes() -> ScenePair {
         (hostile.iter().map(|corners| corners.map(&mut moved))).collect();
     let [hostile, ordinary] = [hostile, ordinary].map(|corners| single_mesh(soup(&corners)));
     pair(DVec3::new(1.0, 0.0, 2.0), hostile, ordinary)
+}
+
+/// A scene and one of as many ordinary triangles, seen from afar along the z axis so that rays meet z = 0 at multiples of a
+/// power of two.
+fn pair_on_grid(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
+    let target = DVec3::new(0.5, 0.5, 0.0);
+    let view_of = |corners| SceneView {
+        scene: single_mesh(soup(corners)),
+        view: (target + DVec3::Z * 16.0, target, 12.0),
+    };
+    ScenePair {
+        hostile: view_of(hostile),
+        ordinary: view_of(ordinary),
+    }
+}
+
+/// Triangles whose corners are random.
+fn triangles_on(count: usize, mut corner: impl FnMut() -> DVec3) -> Vec<[DVec3; 3]> {
+    (0..count).map(|_| [(); 3].map(|()| corner())).collect()
+}
+
+fn integer_plane() -> ScenePair {
+    let mut random = Random::new(490);
+    let whole = triangles_on(12_000, || (random.in_cube() * 8.0).round().with_z(0.0));
+    let ordinary = triangles_on(12_000, || random.in_cube() * 8.0);
+    pair_on_grid(&whole, &ordinary)
+}
+
+fn rounded_plane() -> ScenePair {
+    let mut random = Random::new(500);
+    let tilted = triangles_on(15_000, || {
+        let at = random.in_cube() * 8.0;
+        at.with_z(0.37 * at.x + 0.21 * at.y)
+    });
+    let ordinary = triangles_on(15_000, || random.in_cube() * 8.0);
+    pair_on_grid(&tilted, &ordinary)
+}
+
+fn crossing_layers() -> ScenePair {
+    let mut random = Random::new(510);
+    let least = f64::from(f32::from_bits(1));
+    let layers = triangles_on(16_000, || {
+        let at = random.in_cube() * 8.0;
+        at.with_z((at.z * 2000.0).round() * least)
+    });
+    let ordinary = triangles_on(16_000, || random.in_cube() * 8.0);
+    pair_on_grid(&layers, &ordinary)
 }

@@ -13,7 +13,7 @@ use super::cut_triangles::Cut;
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
 use super::rasterize::CONTESTED;
-use super::{ALL, IntervalZBuffer, ROW, SIDE, UNDECIDED, for_each_bit, stored_primitive};
+use super::{ALL, IntervalZBuffer, ROW, SIDE, for_each_bit};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
@@ -214,16 +214,20 @@ impl IntervalZBuffer {
                 if nearest[lane] < self.hi_z[cell] {
                     continue;
                 }
+                let covers = inside >> lane & 1 != 0 && cuts.is_empty();
                 if self.contested[cell] > CONTESTED {
                     let within = PlacesWithin {
                         centre: [cells.x[lane], cells.y[lane]].map(f64::from),
                         half: [cells.half_x[lane], cells.half_y[lane]].map(f64::from),
                     };
-                    if self.is_behind_stored(functions.primitive, (cell, &within), decisions) {
+                    if self.is_behind_sure_hits(functions.primitive, (cell, &within), decisions) {
                         continue;
                     }
+                    if covers {
+                        self.keep_cover(functions.primitive, (cell, &within), decisions);
+                    }
                 }
-                if inside >> lane & 1 != 0 && cuts.is_empty() {
+                if covers {
                     self.cover_at(lanes, places, functions, cell, decisions);
                 } else {
                     let rows = (cell, places.rows_touched(lanes, cell, bounds));
@@ -330,9 +334,7 @@ impl IntervalZBuffer {
                     let has_ray = places.has_ray[ray / SIDE] >> (ray % SIDE) & 1 != 0;
                     if has_ray && !(below & above) {
                         self.high[ray] = f32::INFINITY;
-                        let stored = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
-                        self.rivals
-                            .push_both(ray, stored_primitive(stored), functions.primitive);
+                        self.leave_ray_undecided(ray, functions.primitive);
                     }
                 }
             });

@@ -4,7 +4,7 @@
 
 use super::depth_merge::{DepthMerge, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
-use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, stored_primitive};
+use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit};
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
@@ -28,11 +28,6 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 /// where a few triangles touch are compared for nothing (casting `assets/dahlia.obj` took 7 % longer); with a larger one,
 /// layers are merged ray by ray for longer.
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
-
-/// The most triangles stored in a cell for that comparison, which takes one test each. Layers leave a few triangles in
-/// long runs. With a larger number comparing takes longer than merging the eight rows; with a smaller one, cells where
-/// layers cross are merged ray by ray.
-const MOST_STORED: usize = 16;
 
 /// Columns of a row of rays.
 pub(super) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -211,10 +206,14 @@ impl IntervalZBuffer {
                 if nearest[cell] < self.hi_z[place] {
                     continue;
                 }
+                let covers = inside & (1 << cell) != 0;
                 if self.contested[place] > CONTESTED {
                     let within = PlacesWithin::of_cell(place);
-                    if self.is_behind_stored(functions.primitive, (place, &within), decisions) {
+                    if self.is_behind_sure_hits(functions.primitive, (place, &within), decisions) {
                         continue;
+                    }
+                    if covers && nearest[cell] < self.start_key {
+                        self.keep_cover(functions.primitive, (place, &within), decisions);
                     }
                 }
                 let (x, y) = ((cell_column * ROW) as f32, (cell_row * ROW) as f32);
@@ -225,7 +224,7 @@ impl IntervalZBuffer {
                     ..*functions
                 };
                 let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
-                if inside & (1 << cell) != 0 {
+                if covers {
                     self.cover(lanes, &here, first, decisions);
                 } else {
                     self.rasterize_rows(lanes, &here, first, ROW, decisions);
@@ -320,8 +319,8 @@ impl IntervalZBuffer {
     }
 
     /// Decides, of eight rays from `first` on, at `places`, those that merging left undecided, where a ray surely hits
-    /// both the triangle stored so far and this one: in one plane the lower primitive id wins, elsewhere the order of
-    /// their planes decides if it can. Marks the other rays undecided and records both triangles as their rivals.
+    /// a triangle already: in one plane the lower primitive id wins, elsewhere the order of their planes decides if it
+    /// can. A ray that may hit this triangle and not surely loses it keeps it as a rival.
     #[inline(never)]
     pub(super) fn leave_undecided(
         &mut self,
@@ -333,80 +332,49 @@ impl IntervalZBuffer {
         let Some((_, _, primitives)) = self.rays(first) else {
             return;
         };
-        let (before, mut rest) = (*primitives, undecided.rays);
+        let before = *primitives;
+        let mut sure_hits = [MISS; ROW];
+        for_each_bit(u64::from(undecided.rays), |lane| {
+            let lane = lane % ROW;
+            let sure_hit = self.sure_hit(first + lane, before[lane]);
+            sure_hits[lane] = sure_hit.unwrap_or(MISS);
+        });
+        let mut was_undecided = 0;
+        for (lane, &stored) in before.iter().enumerate() {
+            was_undecided |= u32::from(stored == UNDECIDED) << lane;
+        }
+        let mut rest = undecided.rays;
         // Neighbouring rays mostly have the same triangle.
         while rest != 0 {
-            let stored = before[rest.trailing_zeros() as usize % ROW];
+            let sure_hit = sure_hits[rest.trailing_zeros() as usize % ROW];
             let mut same = 0;
-            for (lane, &other) in before.iter().enumerate() {
-                same |= u32::from(other == stored) << lane;
+            for (lane, &other) in sure_hits.iter().enumerate() {
+                same |= u32::from(other == sure_hit) << lane;
             }
             same &= rest;
             rest &= !same;
-            let rival = stored_primitive(stored);
-            if let Some(rival) = rival
-                && same & undecided.inside != 0
-            {
+            let mut wins = 0;
+            if sure_hit != MISS && same & (undecided.inside | was_undecided) != 0 {
                 // The stored bounds contain the depths of both, and so of the nearer one.
-                let [loses, wins] = match decisions.first_in_one_plane(rival, primitive) {
-                    Some(nearer) if nearer == primitive => [0, same],
-                    Some(_) => [same, 0],
-                    None => decisions.order_of_eight([rival, primitive], places),
-                };
+                let order = decisions.order([sure_hit, primitive]);
+                let [loses, nearer] = order.of_eight(places);
                 let contested = &mut self.contested[cell_of(first) % (CELLS * CELLS)];
                 *contested = contested.saturating_add(1);
-                let wins = wins & same & undecided.inside;
-                for_each_bit(u64::from(wins), |lane| {
-                    self.primitives[first + lane] = primitive;
-                });
-                same &= !(wins | loses);
+                same &= !loses;
+                wins = nearer & same & undecided.inside;
+            } else if sure_hit == MISS {
+                wins = same & undecided.inside & was_undecided;
             }
-            for_each_bit(u64::from(same), |lane| {
-                self.rivals.push_both(first + lane, rival, primitive);
-                self.primitives[first + lane] = UNDECIDED;
+            for_each_bit(u64::from(wins & !was_undecided), |lane| {
+                self.primitives[first + lane] = primitive;
+            });
+            for_each_bit(u64::from(same & (was_undecided | !wins)), |lane| {
+                self.leave_ray_undecided(first + lane, primitive);
+            });
+            for_each_bit(u64::from(wins & was_undecided), |lane| {
+                self.rivals.set_sure_hit(first + lane, primitive);
             });
         }
-    }
-
-    /// Whether each ray of a cell has a stored hit that is surely nearer than this triangle, by the planes of the two.
-    /// For cells in which depths have left orders undecided.
-    #[inline(never)]
-    pub(super) fn is_behind_stored(
-        &self,
-        primitive: u32,
-        (cell, places): (usize, &PlacesWithin),
-        decisions: &mut Decisions<'_>,
-    ) -> bool {
-        let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
-        let (mut nearer, mut found) = ([MISS; MOST_STORED], 0);
-        let mut last = MISS;
-        for row in 0..ROW {
-            let rays = first + row * SIDE..first + row * SIDE + ROW;
-            let (low, stored) = (&self.low[rays.clone()], &self.primitives[rays]);
-            // Layers mostly fill a row with one triangle.
-            if last != MISS && stored == [last; ROW] {
-                continue;
-            }
-            for (&low, &stored) in low.iter().zip(stored) {
-                // Entries without a ray are infinitely near.
-                if low == f32::INFINITY {
-                    continue;
-                }
-                let Some(other) = stored_primitive(stored) else {
-                    return false;
-                };
-                last = stored;
-                if nearer[..found].contains(&stored) {
-                    continue;
-                }
-                if found == MOST_STORED || !decisions.is_first_within([other, primitive], places) {
-                    return false;
-                }
-                nearer[found] = stored;
-                found += 1;
-            }
-        }
-        true
     }
 
     /// Marks undecided every ray that an ill-conditioned triangle may hit: those within its bounds where the signs of
@@ -429,9 +397,7 @@ impl IntervalZBuffer {
                 if !(below & above) {
                     let ray = j * SIDE + i;
                     self.high[ray] = f32::INFINITY;
-                    let stored = std::mem::replace(&mut self.primitives[ray], UNDECIDED);
-                    self.rivals
-                        .push_both(ray, stored_primitive(stored), functions.primitive);
+                    self.leave_ray_undecided(ray, functions.primitive);
                 }
             }
         }

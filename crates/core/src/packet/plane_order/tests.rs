@@ -88,7 +88,7 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
                 let Some(truth) = truth else { continue };
                 hits += 1;
                 let places = (&[x as f32; LANES], &[y as f32; LANES]);
-                let [first, second] = orders.of_eight([0, 1], places, corners);
+                let [first, second] = orders.order([0, 1], corners, || None).of_eight(places);
                 assert!(first & second == 0);
                 assert!(first == 0 || truth == Ordering::Less, "{pair:?} {x} {y}");
                 assert!(
@@ -98,7 +98,10 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
                 decided += u32::from(first | second != 0);
                 let cell = y as usize / ROW * CELLS + x as usize / ROW;
                 let within = PlacesWithin::of_cell(cell);
-                if orders.is_first_within([0, 1], &within, corners) {
+                if orders
+                    .order([0, 1], corners, || None)
+                    .is_first_within(&within)
+                {
                     assert_eq!(truth, Ordering::Less, "{pair:?} {cell}");
                     cells += 1;
                 }
@@ -156,7 +159,9 @@ fn planes_next_to_the_eye_are_ordered_as_exact_arithmetic_orders_them() {
             };
             hits += 1;
             let places = (&[place as f32; LANES], &[place as f32; LANES]);
-            let order = orders.of_eight([0, 1], places, |primitive| pair[primitive as usize]);
+            let order = orders
+                .order([0, 1], |primitive| pair[primitive as usize], || None)
+                .of_eight(places);
             decided += u32::from(is_decided(order, truth));
         }
     }
@@ -193,7 +198,9 @@ fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
         for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
             let [first, second] = pair.map(placed);
             let truth = exact::compare(&ray, &first, &second, Cull::None);
-            let order = orders.of_eight(pair, places, |triangle| triangles[triangle as usize]);
+            let order = orders
+                .order(pair, |triangle| triangles[triangle as usize], || None)
+                .of_eight(places);
             pairs += 1;
             let truth = truth.expect("both are hit");
             decided += u32::from(is_decided(order, truth));
@@ -222,7 +229,13 @@ fn places_in_single_precision_do_not_decide_across_a_crossing() {
     let plane = Plane::new(first);
     let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
     let edges = [edge(1.0, 0.0), edge(0.0, crossing), edge(0.0, 1.0)];
-    let order = PlaneOrder::new(&Some(plane), [first, corners], &off_by(edges, 0.0), || None);
+    let order = PlaneOrder::new(
+        &Some(plane),
+        [first, corners],
+        &off_by(edges, 0.0),
+        || None,
+        || None,
+    );
     let of = |x: f64| order.of_eight((&[x as f32; LANES], &[0.0; LANES]));
     assert_eq!(of(place), [0, 0]);
     assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
@@ -258,6 +271,7 @@ fn sums_within_the_error_of_edge_functions_decide_nothing() {
             [first, corners],
             &edges,
             || None,
+            || None,
         ))
     };
     assert_eq!([of(1.9e-9), of(-1.9e-9)], [[0; 2]; 2]);
@@ -279,7 +293,7 @@ fn corners_within_rounding_of_a_plane_decide_nothing() {
         let edges = off_by([constant(1.0), constant(2.0), constant(0.5)], 0.0);
         let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), &edges);
         assert_eq!(signs(&order), [0, 0], "{a} {b} {c}");
-        let wide = PlaneOrder::new(&Some(plane), [first, corners], &edges, || None);
+        let wide = PlaneOrder::new(&Some(plane), [first, corners], &edges, || None, || None);
         assert_eq!(signs(&wide), [0, 0], "{a} {b} {c}");
         rounded += u32::from(order.function.constant != 0.0);
     }
@@ -296,7 +310,10 @@ fn orders_of_another_packet_are_forgotten() {
     let corners = |primitive: u32| pair[primitive as usize];
     let places = (&[0.0; LANES], &[0.0; LANES]);
     let mut orders = PlaneOrders::new();
-    assert_eq!(orders.of_eight([0, 1], places, corners), [0, 0]);
+    assert_eq!(
+        orders.order([0, 1], corners, || None).of_eight(places),
+        [0, 0]
+    );
     for _ in 0..40 {
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.01);
         orders.set_rays(&space(&camera, DVec3::ZERO, Cull::None));
@@ -305,6 +322,9 @@ fn orders_of_another_packet_are_forgotten() {
             z if z < -0.1 => [0xff, 0],
             _ => continue,
         };
-        assert_eq!(orders.of_eight([0, 1], places, corners), expected);
+        assert_eq!(
+            orders.order([0, 1], corners, || None).of_eight(places),
+            expected
+        );
     }
 }

@@ -1,0 +1,156 @@
+//! Triangles that the rays of a cell surely hit. Where layers lie closer together than single precision distinguishes, most
+//! triangles are behind these for all rays of the cell, by the planes of the two, and need not be merged.
+
+use super::{CELLS, IntervalZBuffer, ROW, SIDE};
+use crate::hit::MISS;
+use crate::packet::decisions::Decisions;
+use crate::packet::plane_order::PlacesWithin;
+
+/// The most sure hits of a cell, which take one test each. Layers leave a few triangles in long runs. With a larger number
+/// comparing takes longer than merging the eight rows; with a smaller one, cells where layers cross are merged ray by ray.
+const MOST: usize = 16;
+
+/// The sure hits of each cell. They stay true as triangles are merged, though nearer ones may be found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SureHits {
+    /// Empty before the first is needed, since most pictures need none.
+    cells: Vec<SureHitsOfCell>,
+    /// The cells, as bits, whose `cover` is known.
+    covered: u32,
+    /// The cells whose list is known.
+    listed: u32,
+    /// The cells that may have changed since.
+    outdated: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SureHitsOfCell {
+    /// A triangle that all rays of the cell surely hit: one that is near, compared with others that they all hit.
+    cover: u32,
+    /// Triangles of which each ray of the cell surely hits at least one.
+    list: [u32; MOST],
+    /// Zero where a ray has no sure hit, or all of them are too many.
+    count: usize,
+}
+
+impl SureHitsOfCell {
+    const NONE: Self = Self {
+        cover: MISS,
+        list: [MISS; MOST],
+        count: 0,
+    };
+
+    /// Whether there is a list, and something holds for all in it. The one for which it did not hold comes first from then
+    /// on.
+    fn are_all(&mut self, mut holds: impl FnMut(u32) -> bool) -> bool {
+        let list = &mut self.list[..self.count];
+        let failed = (list.iter()).position(|&primitive| !holds(primitive));
+        if let Some(failed) = failed {
+            list.swap(0, failed);
+        }
+        self.count > 0 && failed.is_none()
+    }
+}
+
+impl SureHits {
+    pub(super) fn clear(&mut self) {
+        self.covered = 0;
+        self.listed = 0;
+    }
+
+    /// Some cells, as bits, have changed.
+    #[inline(always)]
+    pub(super) fn outdate(&mut self, cells: u32) {
+        self.outdated |= cells;
+    }
+
+    fn cell(&mut self, cell: usize) -> &mut SureHitsOfCell {
+        if self.cells.is_empty() {
+            self.cells.resize(CELLS * CELLS, SureHitsOfCell::NONE);
+        }
+        &mut self.cells[cell]
+    }
+}
+
+impl IntervalZBuffer {
+    /// Keeps a triangle that all rays of a cell surely hit, if it is nearer at the cell's centre than the one that is kept.
+    #[inline(never)]
+    pub(super) fn keep_cover(
+        &mut self,
+        primitive: u32,
+        (cell, places): (usize, &PlacesWithin),
+        decisions: &mut Decisions<'_>,
+    ) {
+        let cell = cell % (CELLS * CELLS);
+        let has_cover = self.sure_hits.covered >> cell & 1 != 0;
+        let cover = &mut self.sure_hits.cell(cell).cover;
+        let centre = PlacesWithin {
+            half: [0.0; 2],
+            ..*places
+        };
+        if !has_cover || (decisions.order([primitive, *cover])).is_first_within(&centre) {
+            *cover = primitive;
+        }
+        self.sure_hits.covered |= 1 << cell;
+    }
+
+    /// Whether each ray of a cell has a sure hit that is surely nearer than this triangle, by the planes of the two. For
+    /// cells in which depths have left orders undecided.
+    #[inline(never)]
+    pub(super) fn is_behind_sure_hits(
+        &mut self,
+        primitive: u32,
+        (cell, places): (usize, &PlacesWithin),
+        decisions: &mut Decisions<'_>,
+    ) -> bool {
+        let cell = cell % (CELLS * CELLS);
+        let has = |cells: u32| cells >> cell & 1 != 0;
+        let mut is_nearer = |other| decisions.order([other, primitive]).is_first_within(places);
+        if has(self.sure_hits.covered) && is_nearer(self.sure_hits.cell(cell).cover) {
+            return true;
+        }
+        if has(self.sure_hits.listed) {
+            if self.sure_hits.cell(cell).are_all(&mut is_nearer) {
+                return true;
+            }
+            if !has(self.sure_hits.outdated | self.dirty) {
+                return false;
+            }
+        }
+        // Nearer hits may have been found.
+        self.sure_hits.listed |= 1 << cell;
+        self.sure_hits.outdated &= !(1 << cell);
+        let cover = self.sure_hits.cell(cell).cover;
+        let listed = self.list_sure_hits(cell);
+        *self.sure_hits.cell(cell) = SureHitsOfCell { cover, ..listed };
+        self.sure_hits.cell(cell).are_all(&mut is_nearer)
+    }
+
+    fn list_sure_hits(&self, cell: usize) -> SureHitsOfCell {
+        let mut found = SureHitsOfCell::NONE;
+        let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
+        let mut last = MISS;
+        for row in 0..ROW {
+            for ray in (first + row * SIDE..).take(ROW) {
+                // Entries without a ray are infinitely near.
+                if self.low[ray] == f32::INFINITY {
+                    continue;
+                }
+                let Some(sure_hit) = self.sure_hit(ray, self.primitives[ray]) else {
+                    return SureHitsOfCell::NONE;
+                };
+                // Layers mostly fill a row with one triangle.
+                if sure_hit == last || found.list[..found.count].contains(&sure_hit) {
+                    continue;
+                }
+                if found.count == MOST {
+                    return SureHitsOfCell::NONE;
+                }
+                last = sure_hit;
+                found.list[found.count] = sure_hit;
+                found.count += 1;
+            }
+        }
+        found
+    }
+}
