@@ -67,7 +67,7 @@ fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lat
         0 => math::pow(2.0, -1.0 - (random.unit() * 9.0).floor()),
         _ => decades(random, -7.0, -0.3),
     };
-    let half = |place: f64| ((place.abs() / step).ceil() as u32).saturating_add(20);
+    let half = |place: f64| ((place.abs() / step).ceil() as u32).min(1 << 30) + 20;
     let odd = any(random, 2) as u32;
     let (columns, rows) = (2 * half(a) + odd, 2 * half(b) + odd);
     // Larger than pictures may be: few of its pixels are cast.

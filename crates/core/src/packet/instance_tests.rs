@@ -55,7 +55,7 @@ fn scene(random: &mut Random, offset: DVec3) -> Scene {
             object.transform = objects[number - 2].transform;
             object.mesh = Arc::clone(&objects[number - 2].mesh);
         }
-        object.parent = (number % 7 == 6).then_some(number - 1);
+        object.parent = (number % 7 == 6).then(|| number - 1);
         if number % 7 == 6 {
             object.transform = Transform {
                 rotate: DVec3::new(0.0, 1.0, 0.0),
