@@ -121,7 +121,7 @@ impl Panorama {
     /// projections except a lens's.
     pub(super) fn has_all_between(self, (left, right): (f64, f64), b: f64) -> bool {
         match self {
-            Self::Lens(lens) => lens.is_well_behaved(left, b) && lens.is_well_behaved(right, b),
+            Self::Lens(lens) => lens.region((left, right), (b, b)).is_some(),
             _ => self.has_place(left, b) && self.has_place(right, b),
         }
     }
