@@ -157,15 +157,14 @@ impl PanoramaRays {
         lens.region(across, (bottom, top))
     }
 
-    /// Bounds, to the right and up, of the points in which the rays of a rectangle cross the image plane at unit
-    /// distance. `None` without a [`LensRegion`].
-    pub(crate) fn window(&self, rect: Rect) -> Option<[(f64, f64); 2]> {
+    /// Bounds, to the right and up, of the points in which the rays of a region's rectangle cross the image plane at unit
+    /// distance. `None` without a lens.
+    pub(crate) fn window(&self, region: &LensRegion, rect: Rect) -> Option<[(f64, f64); 2]> {
         let Panorama::Lens(lens) = self.panorama else {
             return None;
         };
         let (across, (top, bottom)) = self.ends(rect)?;
-        let region = lens.region(across, (bottom, top))?;
-        lens.window(&region, across, (bottom, top))
+        lens.window(region, across, (bottom, top))
     }
 
     /// The cube face of a ray.

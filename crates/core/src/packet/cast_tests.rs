@@ -16,7 +16,7 @@ pub(super) fn waves(side: u32, size: f64, offset: DVec3) -> Accel {
     build([waves_mesh(side, size, offset)])
 }
 
-fn build(meshes: impl IntoIterator<Item = Mesh>) -> Accel {
+pub(super) fn build(meshes: impl IntoIterator<Item = Mesh>) -> Accel {
     let objects = meshes
         .into_iter()
         .map(|mesh| Object::new("mesh", Arc::new(mesh)));
@@ -34,7 +34,7 @@ pub(super) fn waves_mesh(side: u32, size: f64, offset: DVec3) -> Mesh {
 }
 
 /// `side²` quads of two triangles each, with corners at integer positions.
-fn grid(side: u32, place: impl Fn(f64, f64) -> DVec3) -> Mesh {
+pub(super) fn grid(side: u32, place: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let corners = (0..=side).flat_map(|y| (0..=side).map(move |x| (f64::from(x), f64::from(y))));
     let row = side + 1;
     let quads = (0..side * side).map(|cell| cell / side * row + cell % side);
@@ -469,8 +469,8 @@ fn triangles_in_or_next_to_one_plane_are_ordered_by_packets() {
         let at = random.point() * 8.0;
         at.with_z((at.z * 2000.0).round() * f64::from(f32::from_bits(1)))
     };
-    let planes: [(&dyn Fn(&mut Random) -> DVec3, _); 3] =
-        [(&integer, 1000), (&tilted, 20), (&subnormal, 20)];
+    type Corner = fn(&mut Random) -> DVec3;
+    let planes: [(Corner, _); 3] = [(integer, 1000), (tilted, 20), (subnormal, 20)];
     for (corner, most_undecided) in planes {
         let count = 400;
         // One in four is small.

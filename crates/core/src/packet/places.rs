@@ -150,17 +150,19 @@ impl Places {
         })
     }
 
-    /// Computes the places of a rectangle of at most [`SIDE`] × [`SIDE`] rays of a camera.
+    /// Computes the places of a rectangle of at most [`SIDE`] × [`SIDE`] rays of a camera. `region` is what is known of it
+    /// through a lens.
     #[inline(always)]
     pub(super) fn find(
         &mut self,
         lanes: impl Lanes,
         (camera, rays): (&Camera, &PanoramaRays),
         packet: Rect,
+        region: Option<LensRegion>,
     ) -> Fit {
         self.columns = packet.width;
         self.rows_of_rays = packet.height;
-        if !self.find_directions(rays, packet) {
+        if !self.find_directions(rays, packet, region) {
             return Fit::Empty;
         }
         // NaN fails this comparison.
@@ -185,10 +187,15 @@ impl Places {
 
     /// Computes the directions of all rays, in the camera's axes. Returns whether there are any rays.
     #[inline(always)]
-    fn find_directions(&mut self, rays: &PanoramaRays, packet: Rect) -> bool {
+    fn find_directions(
+        &mut self,
+        rays: &PanoramaRays,
+        packet: Rect,
+        region: Option<LensRegion>,
+    ) -> bool {
         self.has_ray = [0; SIDE];
         if rays.are_through_a_lens() {
-            self.find_directions_through_lens(rays, packet);
+            self.find_directions_through_lens(rays, packet, region);
         } else {
             self.find_directions_exactly(rays, packet, (0, 0));
         }
@@ -238,13 +245,18 @@ impl Places {
 
     /// Computes directions through a lens. A rectangle of which not all is known is quartered: of smaller ones more is.
     #[inline(always)]
-    fn find_directions_through_lens(&mut self, rays: &PanoramaRays, packet: Rect) {
-        let mut rest = [(packet, (0, 0)); MOST_RECTS];
+    fn find_directions_through_lens(
+        &mut self,
+        rays: &PanoramaRays,
+        packet: Rect,
+        region: Option<LensRegion>,
+    ) {
+        let mut rest = [(packet, (0, 0), region); MOST_RECTS];
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let (rect, place) = rest[count];
-            if let Some(region) = rays.lens_region(rect) {
+            let (rect, place, region) = rest[count];
+            if let Some(region) = region {
                 self.find_directions_of_region((rays, &region), rect, place);
                 continue;
             }
@@ -263,7 +275,8 @@ impl Places {
                         width: (rect.width - x).min(half),
                         height: (rect.height - y).min(half),
                     };
-                    rest[count] = (quarter, (place.0 + x, place.1 + y));
+                    let place = (place.0 + x, place.1 + y);
+                    rest[count] = (quarter, place, rays.lens_region(quarter));
                     count += 1;
                 }
             }

@@ -5,10 +5,12 @@ use super::edge_functions::EdgeFunctions;
 use super::*;
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
-use crate::hit::Precision;
+use crate::hit::{Cull, Precision};
 use crate::num::simd::Plain;
-use crate::packet::cast_tests::waves;
+use crate::packet::cast_tests::{build, grid, waves};
 use crate::packet::decisions::Decisions;
+use crate::packet::setup_tests::{camera, space};
+use crate::random::Random;
 use crate::triangle::clip::Clip;
 use glam::DVec3;
 
@@ -23,7 +25,12 @@ fn flat(edge: f32, depth_key: [f32; 3]) -> EdgeFunctions {
     }
 }
 
+/// Fast casting makes no exact decisions about planes.
 fn decisions<'a>(accel: &'a Accel, clip: &'a Clip) -> Decisions<'a> {
+    decisions_of(accel, clip, Precision::Fast)
+}
+
+fn decisions_of<'a>(accel: &'a Accel, clip: &'a Clip, precision: Precision) -> Decisions<'a> {
     let plane = ImagePlane::new(32, 32, 0.1).expect("a good plane");
     let placement = Placement {
         eye: DVec3::Z,
@@ -31,8 +38,7 @@ fn decisions<'a>(accel: &'a Accel, clip: &'a Clip) -> Decisions<'a> {
         up: DVec3::Y,
     };
     let camera = Camera::new(placement, Projection::Perspective, plane);
-    // Fast casting makes no exact decisions about planes.
-    Decisions::new(accel, clip, &camera, Precision::Fast)
+    Decisions::new(accel, clip, &camera, precision)
 }
 
 fn undecided(zbuffer: &IntervalZBuffer) -> usize {
@@ -121,4 +127,48 @@ fn intervals_that_touch_are_undecided() {
     assert_eq!(primitives, [3, 7, 3, 3, 3, 3, 3, 3]);
     assert_eq!(low, [2.0, 2.25, 1.0, 1.0, 1.25, 1.0, 1.0, 1.0]);
     assert_eq!(high, [2.5, 2.75, 2.0, 2.0, 2.0, 8.0, 8.5, 2.0]);
+}
+
+/// Of the triangles of one plane that a ray may hit, those after one that it surely hits are no rivals, by their primitive
+/// ids: not even of a ray that another triangle's edge has left undecided.
+#[test]
+fn what_is_behind_a_sure_hit_is_no_rival() {
+    let flat_grid = grid(2, |x, y| DVec3::new(x, y, 0.0));
+    let (accel, clip) = (build([flat_grid]), Clip::NONE);
+    let mut decisions = decisions_of(&accel, &clip, Precision::Exact);
+    let mut random = Random(91);
+    let seen_from = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.1);
+    decisions.set_rays(&space(&seen_from, DVec3::ZERO, Cull::None));
+    let mut by_id: Vec<u32> = (0..accel.len() as u32).collect();
+    by_id.sort_unstable_by_key(|&primitive| accel.id(primitive));
+    let mut zbuffer = IntervalZBuffer::new();
+    zbuffer.clear(Plain, 32, 32, f32::INFINITY);
+    let mut merge = |zbuffer: &mut IntervalZBuffer, primitive: u32, edge: f32| {
+        let functions = EdgeFunctions {
+            primitive,
+            ..flat(edge, [1.0, 0.0, 0.0])
+        };
+        zbuffer.rasterize_rows(Plain, &functions, 0, 1, &mut decisions);
+    };
+    // On an edge, so that nothing is sure; then two that are surely hit, the second one after the first.
+    let [first, second, third, fourth] = [by_id[2], by_id[1], by_id[3], by_id[0]];
+    for (primitive, edge) in [(first, 0.125), (second, 1.0), (third, 1.0), (third, 0.125)] {
+        merge(&mut zbuffer, primitive, edge);
+    }
+    let rivals = |zbuffer: &mut IntervalZBuffer| {
+        zbuffer.sort_rivals();
+        let rivals = zbuffer.rivals(0, 5).expect("few").iter();
+        rivals.map(|&(_, primitive)| primitive).collect::<Vec<_>>()
+    };
+    let mut expected = vec![first, second];
+    expected.sort_unstable();
+    assert!(IntervalZBuffer::is_undecided(zbuffer.row(0)[5]));
+    assert_eq!(rivals(&mut zbuffer), expected);
+    // One before both is a rival, and from then on the sure hit.
+    merge(&mut zbuffer, fourth, 1.0);
+    expected.push(fourth);
+    expected.sort_unstable();
+    assert_eq!(rivals(&mut zbuffer), expected);
+    merge(&mut zbuffer, by_id[4], 1.0);
+    assert_eq!(rivals(&mut zbuffer), expected);
 }

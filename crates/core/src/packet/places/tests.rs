@@ -34,7 +34,13 @@ fn places_are_within_their_error_bound_of_rays() {
                 width: 32,
                 height: 50 - y.max(18),
             };
-            if places.find(Plain, (&lattice.camera, &rays), rect) != Fit::Packet {
+            if places.find(
+                Plain,
+                (&lattice.camera, &rays),
+                rect,
+                rays.lens_region(rect),
+            ) != Fit::Packet
+            {
                 continue;
             }
             packets += 1;
@@ -77,7 +83,13 @@ fn windows_of_cells_contain_their_rays() {
             width: 31,
             height: 30,
         };
-        if places.find(Plain, (&lattice.camera, &rays), rect) != Fit::Packet {
+        if places.find(
+            Plain,
+            (&lattice.camera, &rays),
+            rect,
+            rays.lens_region(rect),
+        ) != Fit::Packet
+        {
             continue;
         }
         let windows = places.cell_windows();
@@ -114,7 +126,13 @@ fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
             width: 32,
             height: 32,
         };
-        if places.find(Plain, (&lattice.camera, &rays), rect) != Fit::Packet {
+        if places.find(
+            Plain,
+            (&lattice.camera, &rays),
+            rect,
+            rays.lens_region(rect),
+        ) != Fit::Packet
+        {
             continue;
         }
         for at in 0..RAYS {
