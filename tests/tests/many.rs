@@ -410,3 +410,46 @@ fn a_plan_replaces_a_plan_and_nothing_that_is_only_called_alike() {
         succeed(&arguments);
     }
 }
+
+#[test]
+fn stitching_names_all_that_is_missing_and_where() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let mesh = asset("cube.obj");
+    let cells: Vec<String> = (0..16).map(|i| format!("{},{}", i % 4, i / 4)).collect();
+    for cell in &cells {
+        let part = at(&format!("{cell}.png"));
+        render(&mesh, &part, &["--tiles", "4x4", "--sub-camera", cell]);
+    }
+    let stitch = || {
+        let mut arguments = arguments!["stitch"];
+        arguments.extend(cells.iter().map(|cell| at(&format!("{cell}.png")).into()));
+        arguments.extend(arguments!["-o", at("whole.png")]);
+        refuse(1, arguments)
+    };
+    // In the wrong place: the one that it replaced is missing.
+    let last = bytes(&at("3,3.png"));
+    write(folder.path(), "3,3.png", bytes(&at("2,3.png")));
+    let line = stitch();
+    let gap = "192 of 64 x 48 pixels are in no fragment: columns 48..63 of rows 36..47";
+    assert!(
+        line.contains("3,3.png and") && line.contains("2,3.png both hold") && line.contains(gap),
+        "{line}"
+    );
+    write(folder.path(), "3,3.png", last);
+    for (gone, named, rest) in [
+        (2, "2 of 16 fragments are missing: ", "1,0.png"),
+        (12, "12 of 16 fragments are missing: ", "1,2.png and 2 more"),
+    ] {
+        for cell in &cells[..gone] {
+            // Some are gone already.
+            let _ = std::fs::remove_file(at(&format!("{cell}.png")));
+        }
+        let line = stitch();
+        assert!(
+            line.contains(named) && line.contains("0,0.png, ") && line.ends_with(rest),
+            "{line}"
+        );
+    }
+    assert!(!at("whole.png").exists());
+}
