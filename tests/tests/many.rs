@@ -80,6 +80,24 @@ fn a_scenes_keyframes_are_its_frames() {
     let scene = write(folder.path(), "a.raycast.toml", text);
     let at = |name: &str| folder.path().join(name);
     render(&scene, &at("f%d.png"), &["--frames", "0..4"]);
+    // All of them are the default where the name is for frames, of a plan as well.
+    render(&scene, &at("all-%d.png"), &[]);
+    render(&scene, &at("all.apng"), &[]);
+    let mut plan = arguments!["plan", &scene, "-o", at("p"), "--pictures"];
+    plan.extend(arguments![at("p-%d.png"), "--", "--size", "64x48"]);
+    succeed(plan);
+    let plan = String::from_utf8(bytes(&at("p"))).expect("text");
+    assert_eq!(plan.lines().count(), 5);
+    for frame in 0..5 {
+        let one = bytes(&at(&format!("f{frame}.png")));
+        assert!(one == bytes(&at(&format!("all-{frame}.png"))), "{frame}");
+        let range = format!("--frames {frame}..{frame}");
+        assert!(plan.contains(&range), "{plan}");
+    }
+    render(&scene, &at("one.png"), &["--frames", "0..4"]);
+    assert!(bytes(&at("all.apng")) == bytes(&at("one.png")));
+    let listed = |name: &str| names(folder.path()).contains(&name.into());
+    assert!(!listed("all-%d.png") && !listed("all-5.png"));
     for (frame, more) in [
         (0, ["--eye", "4,2,6", "--target", "0,0,0", "--fov", "30"]),
         (2, ["--eye", "5,2,5", "--target", "0,0,0", "--fov", "50"]),
@@ -108,6 +126,25 @@ fn a_scenes_keyframes_are_its_frames() {
         (
             arguments!["render", &mesh, "-o", at("x%d.png"), "--frames", "0..1"],
             "--turntable",
+        ),
+        (
+            arguments!["render", &mesh, "-o", at("x%d.png")],
+            "x%d.png: such a name is for several frames: give --turntable N",
+        ),
+        (
+            arguments!["render", &mesh, "-o", at("x.gif")],
+            "x.gif: such a name is for several frames",
+        ),
+        (
+            arguments![
+                "render",
+                &scene,
+                "-o",
+                at("x%d.png"),
+                "--save-scene",
+                at("x.raycast.toml")
+            ],
+            "--save-scene",
         ),
         (
             arguments!["render", &mesh, "-o", at("x.jpg"), "--turntable", "3"],
@@ -408,5 +445,124 @@ fn a_plan_replaces_a_plan_and_nothing_that_is_only_called_alike() {
     std::fs::remove_file(&notes).expect("removed");
     for _ in 0..2 {
         succeed(&arguments);
+    }
+}
+
+#[test]
+fn a_plan_is_refused_where_its_jobs_would_be() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let scene = |mesh: &str, more: &str| {
+        format!(
+            "[camera]\nprojection = \"fisheye\"\neye = [4.0, 2.0, 6.0]\ntarget = [0.0, 0.0, 0.0]\n\
+             [image]\nsize = [64, 64]\n[[object]]\nmesh = {mesh:?}\n{more}"
+        )
+    };
+    let mesh = asset("cube.obj").display().to_string();
+    let good = write(folder.path(), "good.raycast.toml", scene(&mesh, ""));
+    let no_mesh = write(folder.path(), "a.raycast.toml", scene("gone.obj", ""));
+    let no_image = scene(&mesh, "texture = \"gone.png\"\n");
+    let no_image = write(folder.path(), "b.raycast.toml", no_image);
+    let gone = at("gone.obj");
+    let image = at("gone.png");
+    let lens = ["--lens", "0.1,0,0,0,0"];
+    let texture = ["--texture", image.to_str().expect("Unicode")];
+    for (status, scene, options) in [
+        (1, &gone, &[][..]),
+        (1, &no_mesh, &[]),
+        (1, &no_image, &[]),
+        (1, &good, &texture),
+        // What the scene file says counts: its projection has no lens, and its size fewer tiles.
+        (2, &good, &lens),
+        (2, &good, &["--shift", "1,0"]),
+    ] {
+        let mut plan = arguments!["plan", scene, "-o", at("p"), "--"];
+        let mut job = arguments!["render", scene, "-o", at("p.png")];
+        plan.extend(options.iter().map(OsString::from));
+        job.extend(options.iter().map(OsString::from));
+        assert_eq!(refuse(status, plan), refuse(status, job), "{options:?}");
+        assert!(!at("p").exists());
+    }
+    let tiles = ["--tiles", "65x1"];
+    let mut plan = arguments!["plan", &good, "-o", at("p")];
+    plan.extend(tiles.iter().map(OsString::from));
+    let mut job = arguments!["render", &good, "-o", at("p.png"), "--sub-camera", "64,0"];
+    job.extend(tiles.iter().map(OsString::from));
+    assert_eq!(refuse(2, plan), refuse(2, job));
+    let pictures = at("no folder/x.png");
+    let line = refuse(
+        1,
+        arguments!["plan", &good, "-o", at("p"), "--pictures", pictures],
+    );
+    assert!(line.contains("there is no directory"), "{line}");
+    let line = refuse(
+        2,
+        arguments!["plan", &good, "-o", at("p"), "--pictures", &good],
+    );
+    assert!(line.contains("good.raycast.toml"), "{line}");
+    assert!(!at("p").exists());
+}
+
+#[test]
+fn stitching_names_all_that_is_missing_and_where() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let mesh = asset("cube.obj");
+    let cells: Vec<String> = (0..16).map(|i| format!("{},{}", i % 4, i / 4)).collect();
+    for cell in &cells {
+        let part = at(&format!("{cell}.png"));
+        render(&mesh, &part, &["--tiles", "4x4", "--sub-camera", cell]);
+    }
+    let stitch = || {
+        let mut arguments = arguments!["stitch"];
+        arguments.extend(cells.iter().map(|cell| at(&format!("{cell}.png")).into()));
+        arguments.extend(arguments!["-o", at("whole.png")]);
+        refuse(1, arguments)
+    };
+    // In the wrong place: the one that it replaced is missing.
+    let last = bytes(&at("3,3.png"));
+    write(folder.path(), "3,3.png", bytes(&at("2,3.png")));
+    let line = stitch();
+    let gap = "192 of 64 x 48 pixels are in no fragment: columns 48..63 of rows 36..47";
+    assert!(
+        line.contains("3,3.png and") && line.contains("2,3.png both hold") && line.contains(gap),
+        "{line}"
+    );
+    write(folder.path(), "3,3.png", last);
+    for (gone, named, rest) in [
+        (2, "2 of 16 fragments are missing: ", "1,0.png"),
+        (12, "12 of 16 fragments are missing: ", "1,2.png and 2 more"),
+    ] {
+        for cell in &cells[..gone] {
+            // Some are gone already.
+            let _ = std::fs::remove_file(at(&format!("{cell}.png")));
+        }
+        let line = stitch();
+        assert!(
+            line.contains(named) && line.contains("0,0.png, ") && line.ends_with(rest),
+            "{line}"
+        );
+    }
+    assert!(!at("whole.png").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_stitched_or_verified_is_no_pipe() {
+    let folder = folder();
+    // By its name it is a picture: a mesh may be a pipe.
+    let pipe = folder.path().join("pipe.png");
+    std::fs::rename(raycast_tests::files::pipe(folder.path()), &pipe).expect("renamed");
+    let whole = folder.path().join("whole.png");
+    for arguments in [
+        arguments!["stitch", &pipe, "-o", &whole],
+        arguments!["verify", &pipe, asset("cube.obj")],
+        arguments!["plan", &pipe, "-o", folder.path().join("p")],
+    ] {
+        let line = refuse(1, arguments);
+        assert!(
+            line.ends_with("it is a pipe or a socket, not a regular file"),
+            "{line}"
+        );
     }
 }

@@ -4,7 +4,7 @@
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Grid, ImagePlane, Panorama, Placement, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::picture::{Picture, Recipe};
+use raycast_core::picture::{ImageFile, Picture, Recipe};
 use raycast_core::scene::{Object, Scene, Texture};
 use raycast_core::shade::{Filter, Mode, Shading, Wireframe};
 use raycast_oracle::random::Random;
@@ -12,7 +12,7 @@ use raycast_report::meshes;
 use raycast_tests::arguments;
 use raycast_tests::binary::succeed;
 use raycast_tests::check::{Check, Stage, on_threads, render};
-use raycast_tests::files::{asset, folder};
+use raycast_tests::files::{asset, bytes, folder};
 use std::ffi::OsString;
 use std::sync::Arc;
 
@@ -143,6 +143,34 @@ fn faces_of_a_cube_are_perspective_pictures_of_a_right_angle() {
         });
         // Directions differ by some roundings; few pixels' centres are that near to an edge.
         assert!(others.count() <= 2, "{column} {row}");
+    }
+}
+
+/// The six pictures of a cube map: a strip's tiles, each a square file of its own.
+#[test]
+fn faces_in_files_of_their_own_are_the_strips() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let render = |name: &str, more: &[&str]| {
+        let mut arguments = arguments!["render", asset("cube.obj"), "-o", at(name)];
+        arguments.extend(arguments!["--projection", "cubemap", "--size", "192x32"]);
+        arguments.extend(arguments!["--eye", "0.2,0.1,3", "--target", "0,0,0"]);
+        arguments.extend(more.iter().map(OsString::from));
+        succeed(arguments);
+        let file = bytes(&at(name));
+        assert!(!file.windows(5).any(|word| word == b"GPano"), "{name}");
+        ImageFile::decode(&file).expect("a picture").picture
+    };
+    let strip = render("strip.png", &[]);
+    for face in 0..6 {
+        let cell = format!("{face},0");
+        let found = render("face.png", &["--tiles", "6x1", "--sub-camera", &cell]);
+        assert_eq!((found.width, found.height), (32, 32));
+        let rows = strip.pixels.chunks_exact(192);
+        let expected: Vec<_> = rows
+            .flat_map(|row| row[face * 32..][..32].iter().copied())
+            .collect();
+        assert!(found.pixels == expected, "{face}");
     }
 }
 

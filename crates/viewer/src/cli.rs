@@ -149,7 +149,8 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Continue an interrupted render of the same picture, and if this one is interrupted keep what is done: a part
-    /// file and its journal beside the image. For large pictures, in any format but .jpg
+    /// file and its journal beside the image. For large pictures as .png, .ppm, .tif or .exr, and for frames with such a
+    /// file each
     #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
     pub resume: bool,
     /// The camera.

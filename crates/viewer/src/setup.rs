@@ -6,7 +6,7 @@ mod nothing_to_see;
 mod shading;
 mod tree;
 
-pub use camera::{DEFAULT_SIZE, camera, camera_failure};
+pub use camera::{DEFAULT_SIZE, camera, camera_failure, check_camera};
 pub use dropped::{dropped, reasons};
 pub use nothing_to_see::NothingToSee;
 pub use shading::{apply_textures_and_colors, shading};
@@ -35,6 +35,19 @@ pub fn load(
     for (index, file) in files.iter().enumerate() {
         let share = |share: f32| progress((index as f32 + share) / files.len() as f32);
         all.append(formats::read_scene_within(file, &budget, &share)?);
+    }
+    Ok(all)
+}
+
+/// What [`load`] reads beside objects, without reading any: see [`formats::read_scene_settings`].
+///
+/// # Errors
+/// The first file that cannot be read.
+pub fn load_settings(files: &[PathBuf], reading: &ReadingArgs) -> Result<SceneFile, FormatError> {
+    let budget = memory::budget(reading.limits());
+    let mut all = SceneFile::default();
+    for file in files {
+        all.append(formats::read_scene_settings(file, &budget)?);
     }
     Ok(all)
 }

@@ -35,10 +35,10 @@ pub(super) fn stitches(fragment: Fragment) -> Result<(), String> {
     match stitch(&[named("a")]) {
         // As text, for numbers that are none are not equal to themselves.
         Ok(whole) if format!("{whole:?}") == format!("{picture:?}") => {}
-        Err(ref gap @ FragmentError::Gap { width, height, .. })
-            if (width, height) != (picture.width, picture.height) =>
+        Err(FragmentError::Gap(gaps))
+            if (gaps.width, gaps.height) != (picture.width, picture.height) =>
         {
-            is_message(&gap.to_string())?;
+            is_message(&gaps.to_string())?;
         }
         other => return Err(format!("alone it stitches to {other:?}")),
     }

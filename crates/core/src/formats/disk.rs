@@ -41,6 +41,39 @@ impl<'b> Disk<'b> {
             file
         })
     }
+
+    /// The first bytes of a regular file that a person named, at most `most`.
+    pub(super) fn start(&self, path: &Path, most: u64) -> Result<Vec<u8>, FormatError> {
+        let mut bytes = Vec::new();
+        let read = open_regular(path)?.take(most).read_to_end(&mut bytes);
+        read.map_err(|error| FormatError::io(path, error))?;
+        self.opened.add(self.source(path));
+        Ok(bytes)
+    }
+
+    /// Opens a file that may be opened.
+    fn open(&self, path: &Path, by: NamedBy<'_>) -> Result<File, FormatError> {
+        let refused = |error| FormatError::io(path, error);
+        if let NamedBy::Mesh(mesh) = by
+            && !self.budget.limits().follow_anywhere
+            && !is_near(path, mesh).map_err(refused)?
+        {
+            let reason = "it is neither in the mesh's folder nor in the one above, and is not \
+                          followed without `follow-anywhere`";
+            return Err(FormatError::refused(path, None, reason));
+        }
+        let file = open(path, matches!(by, NamedBy::Person)).map_err(refused)?;
+        self.opened.add(self.source(path));
+        Ok(file)
+    }
+}
+
+/// Opens a regular file for reading. What is none is refused without waiting for the other end of a pipe.
+///
+/// # Errors
+/// A file that is not there or cannot be opened, a folder, a pipe, a device.
+pub fn open_regular(path: &Path) -> Result<File, FormatError> {
+    open(path, false).map_err(|error| FormatError::io(path, error))
 }
 
 /// A file that is read here and there.
@@ -76,17 +109,7 @@ impl Files for Disk<'_> {
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
         let refused = |error| FormatError::io(path, error);
-        if let NamedBy::Mesh(mesh) = by
-            && !self.budget.limits().follow_anywhere
-            && !is_near(path, mesh).map_err(refused)?
-        {
-            let reason = "it is neither in the mesh's folder nor in the one above, and is not \
-                          followed without `follow-anywhere`";
-            return Err(FormatError::refused(path, None, reason));
-        }
-        let pipes = matches!(by, NamedBy::Person);
-        let mut file = open(path, pipes).map_err(refused)?;
-        self.opened.add(self.source(path));
+        let mut file = self.open(path, by)?;
         let length = file.metadata().map_err(refused)?.len();
         let mut filling = Filling::with_length(path, self.budget, length)?;
         let mut done = 0;
@@ -98,6 +121,10 @@ impl Files for Disk<'_> {
         })?;
         read.map_err(refused)?;
         Ok(filling.into_contents())
+    }
+
+    fn check(&self, path: &Path, by: NamedBy<'_>) -> Result<(), FormatError> {
+        self.open(path, by).map(drop)
     }
 
     fn name(&self, path: &Path) {

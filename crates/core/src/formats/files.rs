@@ -31,6 +31,12 @@ pub(super) trait Files {
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError>;
 
+    /// Checks that a file may be opened and can be, without reading it; it counts as opened.
+    ///
+    /// # Errors
+    /// Under the file's own name: it is not there, or may not be opened.
+    fn check(&self, path: &Path, by: NamedBy<'_>) -> Result<(), FormatError>;
+
     /// Remembers a file that a mesh names and that nothing shown here needs: if it is there, it counts as opened.
     fn name(&self, path: &Path);
 

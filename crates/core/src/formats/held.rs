@@ -21,6 +21,14 @@ impl<'a> Held<'a> {
             opened: Opened::default(),
         }
     }
+
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+        let source = self.source(path);
+        let bytes = source.to_str().and_then(self.resolve);
+        let bytes = bytes.ok_or_else(|| FormatError::io(path, io::ErrorKind::NotFound.into()))?;
+        self.opened.add(source);
+        Ok(bytes)
+    }
 }
 
 impl Files for Held<'_> {
@@ -30,15 +38,15 @@ impl Files for Held<'_> {
         _: NamedBy<'_>,
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
-        let source = self.source(path);
-        let bytes = source.to_str().and_then(self.resolve);
+        let bytes = self.bytes(path)?;
         progress(1.0);
-        let not_there = || FormatError::io(path, io::ErrorKind::NotFound.into());
-        let bytes = bytes.ok_or_else(not_there)?;
-        self.opened.add(source);
         let size = bytes.capacity() as u64;
         let share = self.budget.share(path, "the file", size)?;
         Ok(Contents::new(bytes, share))
+    }
+
+    fn check(&self, path: &Path, _: NamedBy<'_>) -> Result<(), FormatError> {
+        self.bytes(path).map(drop)
     }
 
     /// Nobody writes over what a caller holds.

@@ -46,6 +46,7 @@ mod unpack;
 mod weld;
 mod write;
 
+pub use disk::open_regular;
 pub use error::{FilePosition, FormatError};
 pub use guard::panic_is_caught;
 pub use length_unit::LengthUnit;
@@ -70,6 +71,10 @@ pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 
 /// The fraction of a mesh file's progress that reading its bytes takes; parsing takes the rest.
 const READING_SHARE: f32 = 0.2;
+
+/// The bytes at the start of a file in which a scene file without its name is recognised. They must hold its first table,
+/// so comments before that may be almost as long; more would only make a large mesh slower to tell from a scene file.
+const SCENE_START: u64 = 1 << 16;
 
 /// Reads a mesh file. The format is recognised by content where possible, otherwise by extension.
 ///
@@ -202,6 +207,25 @@ pub fn read_scene_within(
     })
 }
 
+/// Reads what a scene file says beside its objects, and checks that the meshes and textures are there that it names. Of a
+/// mesh file nothing is read but its start, and the result is empty. `opened` lists the files as [`read_scene`] does, but
+/// for those that only meshes name.
+///
+/// # Errors
+/// A file, or one that the scene file names, that is not there, cannot be opened, or is not regular; as [`read_scene`] of
+/// everything in a scene file but its objects.
+pub fn read_scene_settings(path: &Path, budget: &Budget) -> Result<SceneFile, FormatError> {
+    let disk = Disk::new(budget);
+    if !kind::is_scene(path, &disk.start(path, SCENE_START)?) {
+        return Ok(SceneFile {
+            opened: disk.opened(),
+            ..SceneFile::default()
+        });
+    }
+    let contents = disk.read(path, NamedBy::Scene, &|_| ())?;
+    scene_read::read_settings(path, &contents, &disk)
+}
+
 /// Reads a scene from text. The files that it names come from the caller: `resolve` returns the bytes of a file for
 /// its path relative to the scene, with `/` as the separator. No disk is accessed.
 ///
@@ -302,6 +326,34 @@ mod tests {
         let file = read_scene(&mesh, &|_| ()).expect("a mesh without its image");
         assert!(file.scene.objects[0].texture.is_none());
         assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
+    }
+
+    #[test]
+    fn settings_are_those_of_the_whole_scene_and_its_files_are_there() {
+        let folder = Folder::new("settings");
+        let budget = Budget::default();
+        let mesh = folder.write("a.obj", b"no mesh at all");
+        let text = "[camera]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\n[image]\nsize = [64, 48]\n\
+                    [[animation.key]]\nat = 7\neye = [0, 0, 4]\ntarget = [0, 0, 0]\n\
+                    [[object]]\nmesh = \"a.obj\"\n[[object]]\nshape = { kind = \"cube\", size = [1, 1, 1] }\n";
+        let scene = folder.write("a.raycast.toml", text.as_bytes());
+        let settings = read_scene_settings(&scene, &budget).expect("no mesh is read");
+        assert_eq!(settings.opened, [scene.clone(), mesh.clone()]);
+        assert!(settings.scene.objects.is_empty());
+        folder.write("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let whole = read_scene(&scene, &|_| ()).expect("a scene");
+        assert_eq!(
+            (settings.camera, settings.image, settings.animation),
+            (whole.camera, whole.image, whole.animation)
+        );
+        let nothing = read_scene_settings(&mesh, &budget).expect("a mesh");
+        assert_eq!((nothing.camera, nothing.opened), (None, vec![mesh.clone()]));
+        std::fs::remove_file(&mesh).expect("it was there");
+        let missing = read_scene_settings(&scene, &budget).expect_err("no mesh");
+        let message = read_scene(&scene, &|_| ())
+            .expect_err("no mesh")
+            .to_string();
+        assert_eq!(missing.to_string(), message);
     }
 
     #[test]

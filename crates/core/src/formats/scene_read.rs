@@ -29,6 +29,43 @@ pub(super) fn read(
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<SceneFile, FormatError> {
+    let (reader, parsed) = parse(path, bytes, files)?;
+    let mut file = reader.settings(&parsed)?;
+    let (warnings, notes) = (&mut file.warnings, &mut file.notes);
+    let objects = reader.objects(&parsed.objects, progress, warnings, notes)?;
+    file.scene = Scene { objects };
+    let mut unseen = unseen(path, &file.scene);
+    mesh_file::limit_warnings(path, &mut unseen);
+    file.warnings.append(&mut unseen);
+    mesh_file::limit_warnings(path, &mut file.warnings);
+    file.opened = files.opened();
+    Ok(file)
+}
+
+/// Reads everything in a scene file's text but its objects, of which it checks that `files` has what they name.
+pub(super) fn read_settings(
+    path: &Path,
+    bytes: &[u8],
+    files: &dyn Files,
+) -> Result<SceneFile, FormatError> {
+    let (reader, parsed) = parse(path, bytes, files)?;
+    let mut file = reader.settings(&parsed)?;
+    for object in &parsed.objects {
+        let object = object.get_ref();
+        for named in [&object.mesh, &object.texture].into_iter().flatten() {
+            reader.check_file(named)?;
+        }
+    }
+    file.opened = files.opened();
+    Ok(file)
+}
+
+/// Parses a scene file's text, and checks its version.
+fn parse<'a>(
+    path: &'a Path,
+    bytes: &'a [u8],
+    files: &'a dyn Files,
+) -> Result<(Reader<'a>, SceneToml), FormatError> {
     let bytes = without_mark(bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let line = line_at(bytes, error.valid_up_to());
@@ -46,37 +83,7 @@ pub(super) fn read(
         FormatError::refused(path, line, &shorten(error.message()))
     })?;
     reader.version(parsed.version.as_ref())?;
-    let (mut warnings, mut notes) = (Vec::new(), Vec::new());
-    let camera = parsed
-        .camera
-        .map(|camera| reader.camera(&camera))
-        .transpose()?;
-    let projection = camera.map(|camera| camera.projection);
-    let animation = parsed
-        .animation
-        .map(|animation| reader.animation(&animation, projection));
-    let image = reader.image(&parsed.image)?;
-    let shading = reader.shading(parsed.shading.as_ref(), &parsed.image)?;
-    let clip = reader.clip(&parsed.clip)?;
-    let objects = reader.objects(&parsed.objects, progress, &mut warnings, &mut notes)?;
-    let scene = Scene { objects };
-    let mut unseen = unseen(path, &scene);
-    mesh_file::limit_warnings(path, &mut unseen);
-    warnings.append(&mut unseen);
-    mesh_file::limit_warnings(path, &mut warnings);
-    Ok(SceneFile {
-        kind: FileKind::Scene,
-        scene,
-        camera,
-        animation: animation.transpose()?,
-        image,
-        shading,
-        clip,
-        warnings,
-        notes,
-        unit: None,
-        opened: files.opened(),
-    })
+    Ok((reader, parsed))
 }
 
 /// A warning for each object that is placed so that nothing of it is visible, and for a scene without visible
@@ -104,6 +111,24 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
 }
 
 impl Reader<'_> {
+    /// Everything in the file but its objects.
+    fn settings(&self, parsed: &SceneToml) -> Result<SceneFile, FormatError> {
+        let camera = parsed.camera.as_ref();
+        let camera = camera.map(|camera| self.camera(camera)).transpose()?;
+        let projection = camera.map(|camera| camera.projection);
+        let animation = parsed.animation.as_ref();
+        let animation = animation.map(|animation| self.animation(animation, projection));
+        Ok(SceneFile {
+            kind: FileKind::Scene,
+            camera,
+            image: self.image(&parsed.image)?,
+            shading: self.shading(parsed.shading.as_ref(), &parsed.image)?,
+            clip: self.clip(&parsed.clip)?,
+            animation: animation.transpose()?,
+            ..SceneFile::default()
+        })
+    }
+
     /// Checks that this program supports the file's version.
     fn version(&self, version: Option<&Spanned<i64>>) -> Result<(), FormatError> {
         match version {

@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::error::FormatError;
-use super::files::{Contents, Files, NamedBy};
+use super::files::{Contents, Files, NamedBy, beside};
 use glam::DVec3;
 use std::path::Path;
 use toml::Spanned;
@@ -56,16 +56,23 @@ impl Reader<'_> {
         path: &Path,
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
-        self.files
-            .read(path, NamedBy::Scene, progress)
-            .map_err(|error| {
-                let reason = match error {
-                    FormatError::Io { place, source } => {
-                        format!("{place} cannot be read: {source}")
-                    }
-                    error => error.to_string(),
-                };
-                FormatError::refused(self.path, self.line(named), &reason)
-            })
+        let read = self.files.read(path, NamedBy::Scene, progress);
+        read.map_err(|error| self.unreadable(named, error))
+    }
+
+    /// Checks that a file that the scene names can be opened.
+    pub(super) fn check_file(&self, named: &Spanned<String>) -> Result<(), FormatError> {
+        let path = beside(self.path, named.get_ref());
+        let checked = self.files.check(&path, NamedBy::Scene);
+        checked.map_err(|error| self.unreadable(named, error))
+    }
+
+    /// The error of a file that the scene names, with the line that names it.
+    fn unreadable(&self, named: &Spanned<String>, error: FormatError) -> FormatError {
+        let reason = match error {
+            FormatError::Io { place, source } => format!("{place} cannot be read: {source}"),
+            error => error.to_string(),
+        };
+        FormatError::refused(self.path, self.line(named), &reason)
     }
 }

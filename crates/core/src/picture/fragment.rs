@@ -1,5 +1,6 @@
 use super::file::Tags;
 use super::fragment_position::{FragmentPosition, check_rect};
+use super::gaps::Gaps;
 use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, bands, png};
 use crate::camera::Rect;
 use crate::digest::Digest;
@@ -45,7 +46,7 @@ pub enum FragmentError {
         reason: String,
     },
     /// Two fragments that overlap.
-    #[error("{name} and {other} both hold pixel ({x}, {y})")]
+    #[error("{name} and {other} both hold pixel ({x}, {y}){}", also(gaps))]
     Overlap {
         /// The file's name.
         name: String,
@@ -55,25 +56,20 @@ pub enum FragmentError {
         x: u32,
         /// The first row that both contain.
         y: u32,
+        /// The pixels that no fragment contains: one of the two may be in the wrong place.
+        gaps: Gaps,
     },
     /// Pixels that no fragment contains.
-    #[error(
-        "{missing} of {width} x {height} pixels are in no fragment, the first of them at ({x}, {y}), up to column {right} of that row: a fragment that starts there is missing"
-    )]
-    Gap {
-        /// The number of missing pixels.
-        missing: u64,
-        /// Columns of the full picture.
-        width: u32,
-        /// Rows of the full picture.
-        height: u32,
-        /// The column of the first missing pixel.
-        x: u32,
-        /// The row of the first missing pixel.
-        y: u32,
-        /// The last missing column of that gap in its row.
-        right: u32,
-    },
+    #[error("{0}")]
+    Gap(Gaps),
+}
+
+/// What is missing as well.
+fn also(gaps: &Gaps) -> String {
+    match gaps.is_empty() {
+        true => String::new(),
+        false => format!(", and {gaps}"),
+    }
 }
 
 impl Fragment {

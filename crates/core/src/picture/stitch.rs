@@ -1,3 +1,4 @@
+use super::gaps::Gaps;
 use super::{Fragment, FragmentError, Picture, Recipe};
 use crate::camera::Rect;
 
@@ -48,6 +49,8 @@ pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
             });
         }
     }
+    let rects: Vec<Rect> = parts.iter().map(|part| part.rect).collect();
+    let gaps = Gaps::between(first.full_size(), &rects);
     for (index, part) in parts.iter().enumerate() {
         for before in &parts[..index] {
             if let Some((x, y)) = overlap(part.rect, before.rect) {
@@ -56,26 +59,15 @@ pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
                     other: before.name.clone(),
                     x,
                     y,
+                    gaps,
                 });
             }
         }
     }
-    let (width, height) = first.full_size();
-    // All parts lie in the picture and no two overlap, so together they have at most as many pixels as it has.
-    let held: u64 = parts.iter().map(|part| part.rect.area() as u64).sum();
-    let missing = (u64::from(width) * u64::from(height)).saturating_sub(held);
-    if missing > 0 {
-        let (x, y, right) = first_gap((width, height), parts);
-        return Err(FragmentError::Gap {
-            missing,
-            width,
-            height,
-            x,
-            y,
-            right,
-        });
+    match gaps.is_empty() {
+        true => Ok(()),
+        false => Err(FragmentError::Gap(gaps)),
     }
-    Ok(())
 }
 
 /// Stitches named fragments to the picture that the full camera would have made.
@@ -137,36 +129,6 @@ fn overlap(a: Rect, b: Rect) -> Option<(u32, u32)> {
     shared.then_some((x, y))
 }
 
-/// The first pixel, row by row, that no fragment contains, and the last column of that gap in its row.
-fn first_gap((width, height): (u32, u32), parts: &[Part]) -> (u32, u32, u32) {
-    // The fragments that cover a row change only where a rectangle starts or ends.
-    let mut rows: Vec<u32> = parts
-        .iter()
-        .flat_map(|part| [part.rect.y, part.rect.bottom()])
-        .chain([0])
-        .filter(|&row| row < height)
-        .collect();
-    rows.sort_unstable();
-    for y in rows {
-        let mut spans: Vec<(u32, u32)> = parts
-            .iter()
-            .map(|part| part.rect)
-            .filter(|rect| rect.y <= y && y < rect.bottom())
-            .map(|rect| (rect.x, rect.right()))
-            .chain([(width, width)])
-            .collect();
-        spans.sort_unstable();
-        let mut x = 0;
-        for (left, right) in spans {
-            if left > x {
-                return (x, y, left - 1);
-            }
-            x = right;
-        }
-    }
-    (0, 0, 0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::fragment::tests::{cut, fragments, sample_picture, three_by_two};
@@ -209,14 +171,19 @@ mod tests {
         let mut gap = parts.clone();
         gap.remove(4);
         let message = refusal(&gap);
-        assert!(
-            message.contains("20 of 12 x 10") && message.contains("(4, 5), up to column 7"),
-            "{message}"
-        );
+        let expected = "20 of 12 x 10 pixels are in no fragment: columns 4..7 of rows 5..9";
+        assert_eq!(message, expected);
 
         let mut twice = parts.clone();
         twice.push(("again".to_owned(), parts[5].1.clone()));
         assert_eq!(refusal(&twice), "again and part-5 both hold pixel (8, 5)");
+
+        let mut misplaced = parts.clone();
+        misplaced[4].1 = parts[0].1.clone();
+        assert_eq!(
+            refusal(&misplaced),
+            format!("part-4 and part-0 both hold pixel (0, 0), and {expected}")
+        );
 
         let mut other_view = parts.clone();
         other_view[2].1.recipe.shading.mode = Mode::Flat;

@@ -15,9 +15,17 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
+    /// Frames are numbered below this: a mistyped number would otherwise fill a disk.
+    pub const END: u32 = 1_000_000;
+
+    /// The frames from the first to the last; `None` if there are none, or if they are numbered too high.
+    pub fn new(first: u32, last: u32) -> Option<Self> {
+        (first <= last && last < Self::END).then_some(Self { first, last })
+    }
+
     /// The number of frames.
     pub fn count(&self) -> u32 {
-        // Numbers are at most 999,999.
+        // Numbers are below END.
         self.last - self.first + 1
     }
 
@@ -31,12 +39,13 @@ impl FromStr for FrameRange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let number = |text: &str| text.parse().ok().filter(|number| *number < 1_000_000);
         let (first, last) = text.split_once("..").unwrap_or((text, text));
-        match (number(first), number(last)) {
-            (Some(first), Some(last)) if first <= last => Ok(Self { first, last }),
-            _ => Err("expected the first frame and the last, as 0..99, below 1000000".to_owned()),
-        }
+        let ends = first.parse().ok().zip(last.parse().ok());
+        ends.and_then(|(first, last)| Self::new(first, last))
+            .ok_or_else(|| {
+                let end = Self::END;
+                format!("expected the first frame and the last, as 0..99, below {end}")
+            })
     }
 }
 
@@ -45,10 +54,11 @@ impl FromStr for FrameRange {
 #[command(next_help_heading = "Animation")]
 pub struct FrameArgs {
     /// Render these frames, both ends included, of --turntable or of the scene file's keyframes: each to an image of
-    /// its own, -o out-%05d.png, or all to one animated PNG or GIF, -o out.png, -o out.gif
+    /// its own, -o out-%05d.png, or all to one animated PNG or GIF, -o out.png, -o out.gif [default: all, with
+    /// --turntable or an output that only frames can have, as out-%05d.png, out.apng or out.gif]
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
-    /// Turn the camera once around its target in this many frames [default frames: all]
+    /// Turn the camera once around its target in this many frames
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999_999))]
     pub turntable: Option<u32>,
     /// Frames per second of an animated PNG or GIF, a GIF's at most 50 [default: 25]
@@ -57,7 +67,7 @@ pub struct FrameArgs {
 }
 
 impl FrameArgs {
-    /// The requested frames; `None` for a still picture.
+    /// The frames that options name; `None` without any.
     pub fn range(&self) -> Option<FrameRange> {
         let turn = |count: u32| FrameRange {
             first: 0,

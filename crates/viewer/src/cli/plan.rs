@@ -12,7 +12,8 @@ Options after `--` go to every render. PLAN.stitch has a line for each picture, 
 of PLAN is done: it stitches the picture, if it is in tiles, and verifies it. PLAN.slurm submits
 both as job arrays (`sh PLAN.slurm`); PLAN.yaml and PLAN.stitch.yaml are Indexed Jobs for
 Kubernetes, whose volume and image are to be filled in. Fragments are in the folder PLAN.parts.
-Paths are absolute paths of this machine. An existing plan is replaced with all these files;
+Paths are absolute paths of this machine. Options are checked as a job checks them before it
+reads meshes, and files must be there. An existing plan is replaced with all these files;
 without one, none of them may exist.
 
 A large mesh is best prepared once for all jobs (`raycast prepare`); each then starts at once.
@@ -33,10 +34,11 @@ pub struct PlanArgs {
     /// or PLAN-%05d.png]
     #[arg(long, value_name = "FILE")]
     pub pictures: Option<PathBuf>,
-    /// Render these frames, both ends included, of --turntable or of the scene file's keyframes
+    /// Render these frames, both ends included, of --turntable or of the scene file's keyframes [default: all, with
+    /// --turntable or --pictures with a placeholder]
     #[arg(long, value_name = "A..B")]
     pub frames: Option<FrameRange>,
-    /// Turn the camera once around its target in this many frames [default frames: all]
+    /// Turn the camera once around its target in this many frames
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999_999))]
     pub turntable: Option<u32>,
     /// A job for each sub-camera of a grid of this many, instead of one for the whole picture

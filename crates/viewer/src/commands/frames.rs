@@ -3,7 +3,7 @@
 use super::animation::AnimationFormat;
 use super::banded::Banded;
 use super::opened_scene::OpenedScene;
-use super::render::{render_rect, sub_camera_at};
+use super::render::{check_scene, render_rect, sub_camera_at};
 use super::write_behind::write_behind;
 use super::{Failure, workers};
 use crate::cli::{FrameRange, RenderArgs, frame_path};
@@ -21,9 +21,53 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Renders the requested frames.
-pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
-    let started = Instant::now();
+/// Whether a command line is for frames: by its options, or by an output that only frames can have.
+pub(super) fn are_requested(args: &RenderArgs) -> bool {
+    let name = args.output.to_string_lossy();
+    let is_animation =
+        || Format::from_name(&name).is_err() && AnimationFormat::from_name(&args.output).is_some();
+    args.animation.range().is_some() || frame_path(&args.output, 0).is_some() || is_animation()
+}
+
+/// The frames that options name, else all of the scene file's animation. `output` is for errors.
+///
+/// # Errors
+/// Neither; an animation with frames that are numbered too high.
+pub(super) fn range(
+    named: Option<FrameRange>,
+    output: &Path,
+    animation: Option<&CameraPath>,
+) -> Result<FrameRange, Failure> {
+    let name = output.display();
+    match (named, animation.map(CameraPath::frames)) {
+        (Some(range), _) => Ok(range),
+        (None, Some((first, last))) => FrameRange::new(first, last).ok_or_else(|| {
+            let end = FrameRange::END;
+            Failure::usage(format!(
+                "{name}: the [animation] ends at frame {last}: say which frames below {end} are meant (--frames A..B)"
+            ))
+        }),
+        (None, None) => Err(Failure::usage(format!(
+            "{name}: such a name is for several frames: give --turntable N, or a scene file that has an [animation]"
+        ))),
+    }
+}
+
+/// Checks a command line of frames without reading meshes, as far as that is possible.
+///
+/// # Errors
+/// As [`render::check`](super::render::check).
+pub(super) fn check(args: &RenderArgs) -> Result<(), Failure> {
+    check_options(args)?;
+    let file = check_scene(args)?;
+    let animation = file.animation.as_ref();
+    let range = range(args.animation.range(), &args.output, animation)?;
+    CameraMotion::new(args, range, animation).map(drop)
+}
+
+/// Checks that the options are consistent. Returns the pictures' format, and the animation's if all frames are written to
+/// one file.
+fn check_options(args: &RenderArgs) -> Result<(Format, Option<AnimationFormat>), Failure> {
     let name = args.output.to_string_lossy().into_owned();
     let has_file_per_frame = frame_path(&args.output, 0).is_some();
     if !has_file_per_frame && name.contains('%') {
@@ -53,11 +97,25 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
             "{name}: a file of several frames is written in one piece: leave out --resume"
         )));
     }
-    if args.tiles.unfinished.is_some() || args.tiles.show_sub_cameras {
+    if args.tiles.unfinished.is_some() || args.tiles.show_sub_cameras || args.save_scene.is_some() {
         return Err(Failure::usage(
-            "--unfinished and --show-sub-cameras are for one picture, not for frames",
+            "--unfinished, --show-sub-cameras and --save-scene are for one picture, not for frames",
         ));
     }
+    Ok((format, animation))
+}
+
+/// Renders the requested frames.
+pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let started = Instant::now();
+    let (format, animation) = check_options(args)?;
+    let range = match args.animation.range() {
+        Some(range) => range,
+        None => {
+            let file = setup::load_settings(&args.files, &args.reading)?;
+            range(None, &args.output, file.animation.as_ref())?
+        }
+    };
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let path = |frame| frame_path(&args.output, frame).unwrap_or_else(|| args.output.clone());
@@ -65,9 +123,9 @@ pub(super) fn run(args: &RenderArgs, range: FrameRange) -> Result<(), Failure> {
     for end in [range.first, range.last] {
         Output::at(&path(end), &inputs)?;
     }
-    let outputs: Vec<PathBuf> = match has_file_per_frame {
-        true => range.numbers().map(path).collect(),
-        false => vec![args.output.clone()],
+    let outputs: Vec<PathBuf> = match animation {
+        None => range.numbers().map(path).collect(),
+        Some(_) => vec![args.output.clone()],
     };
     let named: Vec<PathBuf> = inputs.iter().map(|input| (*input).to_owned()).collect();
     Output::check_all(&outputs, &named)?;
@@ -117,33 +175,39 @@ enum CameraMotion<'a> {
     Path(&'a CameraPath),
 }
 
+impl<'a> CameraMotion<'a> {
+    fn new(
+        args: &RenderArgs,
+        range: FrameRange,
+        animation: Option<&'a CameraPath>,
+    ) -> Result<Self, Failure> {
+        let camera = &args.camera;
+        match (args.animation.turntable, animation) {
+            (Some(count), _) if range.last < count => Ok(Self::Turntable(count)),
+            (Some(count), _) => Err(Failure::usage(format!(
+                "a turntable of {count} frames has none beyond {}",
+                count - 1
+            ))),
+            (None, Some(_)) if camera.eye.is_some() || camera.orbit.is_some() => {
+                Err(Failure::usage(
+                    "the camera's place is the scene file's [animation]: leave out --eye and --orbit",
+                ))
+            }
+            (None, Some(path)) => Ok(Self::Path(path)),
+            (None, None) => Err(Failure::usage(
+                "--frames is of --turntable N, or of a scene file that has an [animation]",
+            )),
+        }
+    }
+}
+
 impl<'a> Frames<'a> {
     fn new(
         args: &'a RenderArgs,
         range: FrameRange,
         opened: &'a OpenedScene,
     ) -> Result<Self, Failure> {
-        let camera = &args.camera;
-        let motion = match (args.animation.turntable, &opened.animation) {
-            (Some(count), _) if range.last < count => CameraMotion::Turntable(count),
-            (Some(count), _) => {
-                return Err(Failure::usage(format!(
-                    "a turntable of {count} frames has none beyond {}",
-                    count - 1
-                )));
-            }
-            (None, Some(_)) if camera.eye.is_some() || camera.orbit.is_some() => {
-                return Err(Failure::usage(
-                    "the camera's place is the scene file's [animation]: leave out --eye and --orbit",
-                ));
-            }
-            (None, Some(path)) => CameraMotion::Path(path),
-            (None, None) => {
-                return Err(Failure::usage(
-                    "--frames is of --turntable N, or of a scene file that has an [animation]",
-                ));
-            }
-        };
+        let motion = CameraMotion::new(args, range, opened.animation.as_ref())?;
         Ok(Self {
             args,
             range,

@@ -60,9 +60,9 @@ pub fn run(cli: Cli) -> ExitCode {
     };
     let done = match command {
         Subcommand::View { .. } => Ok(()),
-        Subcommand::Render(args) => match args.animation.range() {
-            Some(range) => frames::run(&args, range),
-            None => render::run(&args),
+        Subcommand::Render(args) => match frames::are_requested(&args) {
+            true => frames::run(&args),
+            false => render::run(&args),
         },
         Subcommand::Cast(args) => cast::run(&args),
         Subcommand::Stitch(args) => stitch::run(&args),

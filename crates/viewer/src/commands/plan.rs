@@ -1,9 +1,10 @@
 //! Pictures and fragments as command lines, for job schedulers.
 
-use super::Failure;
 use super::schedulers::{kubernetes, quote, slurm};
-use crate::cli::{Cli, FrameRange, PlanArgs, Subcommand, frame_path};
+use super::{Failure, frames, render};
+use crate::cli::{Cli, FrameArgs, FrameRange, PlanArgs, ReadingArgs, Subcommand, frame_path};
 use crate::output::Output;
+use crate::setup;
 use clap::Parser;
 use raycast_core::picture::Format;
 use std::ffi::OsString;
@@ -78,6 +79,12 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
             plan.path.display()
         )));
     }
+    // Jobs would refuse these as well; the plan's own files must not be among them either.
+    let mut taken = inputs.clone();
+    taken.extend(files.iter().map(|(path, _)| path.as_path()));
+    for frame in plan.ends() {
+        Output::at(&plan.picture(frame), &taken)?;
+    }
     let mut outputs = Vec::new();
     for (path, text) in &files {
         let output = match *path == plan.path {
@@ -140,27 +147,35 @@ impl<'a> Plan<'a> {
                 option.display()
             )));
         }
-        let turn = |count: u32| FrameRange {
-            first: 0,
-            last: count - 1,
-        };
-        let range = args.frames.or(args.turntable.map(turn));
+        let named = FrameArgs {
+            frames: args.frames,
+            turntable: args.turntable,
+            rate: None,
+        }
+        .range();
         let path = absolute(&args.output)?;
         let pictures = match &args.pictures {
             Some(pictures) => absolute(pictures)?,
             None => {
                 let mut name = path.clone().into_os_string();
-                name.push(if range.is_some() { "-%05d.png" } else { ".png" });
+                name.push(if named.is_some() { "-%05d.png" } else { ".png" });
                 PathBuf::from(name)
             }
         };
-        let is_each = frame_path(&pictures, 0).is_some();
-        if range.is_some() != is_each {
-            return Err(Failure::usage(format!(
-                "{}: a name has a place for a frame's number (%05d) where there are frames, and there alone",
-                pictures.display()
-            )));
-        }
+        let range = match (frame_path(&pictures, 0).is_some(), named) {
+            (false, None) => None,
+            (false, Some(_)) => {
+                return Err(Failure::usage(format!(
+                    "{}: expected a name with a place for the frame's number (%05d)",
+                    pictures.display()
+                )));
+            }
+            (true, Some(range)) => Some(range),
+            (true, None) => {
+                let file = setup::load_settings(&args.files, &ReadingArgs::default())?;
+                Some(frames::range(None, &pictures, file.animation.as_ref())?)
+            }
+        };
         let program = match &args.program {
             // A bare name is looked up where the job runs.
             Some(program) if program.components().count() < 2 => program.clone(),
@@ -187,13 +202,13 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// Checks that this program accepts the command lines.
+    /// Checks that this program accepts the command lines, as far as that is known before meshes are read.
     fn check(&self) -> Result<(), Failure> {
         Format::from_name(&self.pictures.to_string_lossy())?;
-        let first = self.range.map(|range| range.first);
-        let mut words = vec![self.render(first, self.args.tiles.map(|_| (0, 0)))];
-        words.push(self.verify(&self.picture(first)));
-        for words in words {
+        // If there are the last frame and sub-camera, there are the others.
+        let frame = self.range.map(|range| range.last);
+        let cell = (self.args.tiles).map(|(columns, rows)| (columns - 1, rows - 1));
+        for words in [self.render(frame, cell), self.verify(&self.picture(frame))] {
             let parsed = Cli::try_parse_from(&words).map_err(|error| {
                 let message = error.to_string();
                 let message = message.lines().next().unwrap_or_default().to_owned();
@@ -204,7 +219,7 @@ impl<'a> Plan<'a> {
                         .to_owned(),
                 )
             })?;
-            let files = match parsed.command {
+            let files = match &parsed.command {
                 Some(Subcommand::Render(args)) => args.files.len(),
                 Some(Subcommand::Verify(args)) => args.files.len() - 1,
                 _ => {
@@ -215,6 +230,12 @@ impl<'a> Plan<'a> {
                 return Err(Failure::usage(
                     "files are named before `--`, and options of `raycast render` behind it",
                 ));
+            }
+            if let Some(Subcommand::Render(args)) = &parsed.command {
+                match frames::are_requested(args) {
+                    true => frames::check(args)?,
+                    false => render::check(args)?,
+                }
             }
         }
         Ok(())
@@ -247,6 +268,14 @@ impl<'a> Plan<'a> {
     fn frames(&self) -> Vec<Option<u32>> {
         match self.range {
             Some(range) => range.numbers().map(Some).collect(),
+            None => vec![None],
+        }
+    }
+
+    /// The first frame and the last, or the one picture.
+    fn ends(&self) -> Vec<Option<u32>> {
+        match self.range {
+            Some(range) => vec![Some(range.first), Some(range.last)],
             None => vec![None],
         }
     }
@@ -400,7 +429,12 @@ fn line(words: &[OsString]) -> Result<String, Failure> {
 mod tests {
     use super::*;
 
+    /// A file that jobs can name, from this crate's folder, in which tests run.
+    const MESH: &str = "../../assets/monkey.obj";
+
+    /// A plan's lines; `MESH` stands for a mesh, by its whole path.
     fn plan(line: &str) -> Result<Vec<String>, Failure> {
+        let line = line.replace("MESH", &at(MESH));
         let words = std::iter::once("raycast").chain(line.split_whitespace());
         let Some(Subcommand::Plan(args)) = Cli::try_parse_from(words).expect("it parses").command
         else {
@@ -409,59 +443,99 @@ mod tests {
         let plan = Plan::new(&args)?;
         let mut lines = plan.jobs()?;
         lines.extend(plan.stitching()?);
-        Ok(lines)
+        let mesh = at(MESH);
+        Ok(lines
+            .iter()
+            .map(|line| line.replace(&mesh, "MESH"))
+            .collect())
+    }
+
+    fn at(name: &str) -> String {
+        let path = std::path::absolute(name).expect("a folder");
+        path.display().to_string()
     }
 
     #[test]
     fn a_plan_has_a_line_a_fragment_and_a_line_a_picture() {
         let lines = plan(
-            "plan /a.obj -o /p --program /r --turntable 3 --tiles 2x1 -- --up-axis z --size 64x48 --mode=flat",
+            "plan MESH -o /p --program /r --turntable 3 --tiles 2x1 -- --up-axis z --size 64x48 --mode=flat",
         );
         let lines = lines.expect("a plan");
         assert_eq!(lines.len(), 3 * 2 + 3);
         assert_eq!(
             lines[3],
-            "/r render /a.obj --up-axis z --size 64x48 --mode=flat --turntable 3 --frames 1..1 \
+            "/r render MESH --up-axis z --size 64x48 --mode=flat --turntable 3 --frames 1..1 \
              -o /p.parts/%05d-1-0.png --tiles 2x1 --sub-camera 1,0"
         );
         assert_eq!(
             lines[7],
             "(/r stitch /p.parts/00001-0-0.png /p.parts/00001-1-0.png -o /p-00001.png && \
-             /r verify /p-00001.png /a.obj --up-axis z --mode=flat)"
+             /r verify /p-00001.png MESH --up-axis z --mode=flat)"
         );
-        let one = plan("plan /a.obj -o /p --program /r --pictures /x.tif").expect("a plan");
-        assert_eq!(one, ["/r render /a.obj -o /x.tif"]);
+        let one = plan("plan MESH -o /p --program /r --pictures /x.tif").expect("a plan");
+        assert_eq!(one, ["/r render MESH -o /x.tif"]);
     }
 
     #[test]
     fn what_a_render_would_refuse_is_refused_at_once() {
-        for bad in [
-            "plan /a.obj -o /p -- --size 0x3",
-            "plan /a.obj -o /p -- --colour red",
-            "plan /a.obj -o /p -- --tiles 2x2",
-            "plan /a.obj -o /p -- -o x.png",
-            "plan /a.obj -o /p --pictures /x-%05d.png",
-            "plan /a.obj -o /p --frames 0..3 --pictures /x.png",
-            "plan /a.obj -o /p --pictures /x.gif",
-            "plan /a.obj -o /p -- /b.obj",
+        for (bad, named) in [
+            ("plan MESH -o /p -- --size 0x3", "--size"),
+            ("plan MESH -o /p -- --colour red", "--colour"),
+            ("plan MESH -o /p -- --tiles 2x2", "--tiles"),
+            ("plan MESH -o /p -- -o x.png", "-o"),
+            ("plan MESH -o /p --pictures /x-%05d.png", "--turntable"),
+            ("plan MESH -o /p --frames 0..3", "[animation]"),
+            ("plan MESH -o /p --turntable 3 --frames 0..3", "beyond 2"),
+            ("plan MESH -o /p --turntable 3 --pictures /x.png", "%05d"),
+            ("plan MESH -o /p --pictures /x.gif", "/x.gif"),
+            ("plan MESH -o /p -- /b.obj", "before `--`"),
+            (
+                "plan MESH -o /p -- --projection fisheye --lens=0.1,0,0,0,0",
+                "--lens is for",
+            ),
+            ("plan MESH -o /p -- --stereo pair", "--eye-distance"),
+            (
+                "plan MESH -o /p -- --projection cylindrical --fov 190",
+                "--fov",
+            ),
+            ("plan MESH -o /p -- --clip none --clip x:1", "--clip none"),
+            (
+                "plan MESH -o /p -- --projection fisheye --shift 1,0",
+                "--shift is for",
+            ),
+            ("plan MESH -o /p --tiles 9x9 -- --size 8x8", "8,8 in a grid"),
+            ("plan MESH -o /p --tiles 2x2 -- --resume", "--resume"),
         ] {
-            assert!(matches!(plan(bad), Err(Failure::Usage(_))), "{bad}");
+            let refused = plan(bad).expect_err(bad);
+            assert!(matches!(refused, Failure::Usage(_)), "{bad}: {refused}");
+            assert!(refused.to_string().contains(named), "{bad}: {refused}");
+        }
+        let folder = at("../../assets");
+        for (bad, named) in [
+            ("plan /none.obj -o /p", "/none.obj"),
+            ("plan MESH -o /p -- --texture /none.png", "/none.png"),
+            (&*format!("plan {folder} -o /p"), "a folder"),
+        ] {
+            let refused = plan(bad).expect_err(bad);
+            assert!(matches!(refused, Failure::CouldNot(_)), "{bad}: {refused}");
+            assert!(refused.to_string().contains(named), "{bad}: {refused}");
         }
     }
 
     #[test]
     fn files_are_named_from_the_root_wherever_they_are_named() {
-        let here = std::env::current_dir().expect("a folder");
-        let at = |name: &str| here.join(name).display().to_string();
-        for texture in ["--texture ../a.png", "--texture=../a.png"] {
-            let line = format!("plan a.obj -o p --program bin/r -- {texture} --mode texture");
+        const IMAGE: &str = "../../assets/leopard.png";
+        for texture in ["--texture ", "--texture="] {
+            let line =
+                format!("plan {MESH} -o p --program bin/r -- {texture}{IMAGE} --mode texture");
             let lines = plan(&line).expect("a plan");
             let words: Vec<&str> = lines[0].split([' ', '=']).collect();
             assert_eq!(words[0], at("bin/r"));
-            assert!(words.contains(&at("a.obj").as_str()), "{words:?}");
-            assert!(words.contains(&at("../a.png").as_str()), "{words:?}");
+            assert!(words.contains(&"MESH"), "{words:?}");
+            assert!(words.contains(&at(IMAGE).as_str()), "{words:?}");
         }
-        let bare = plan("plan a.obj -o p --program raycast").expect("a plan");
-        assert!(bare[0].starts_with("raycast render /"), "{}", bare[0]);
+        let line = format!("plan {MESH} -o p --program raycast");
+        let bare = plan(&line).expect("a plan");
+        assert!(bare[0].starts_with("raycast render MESH"), "{}", bare[0]);
     }
 }

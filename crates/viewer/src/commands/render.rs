@@ -8,8 +8,10 @@ use crate::cli::{RenderArgs, TileArgs};
 use crate::memory;
 use crate::output::{Output, Unfinished};
 use crate::progress::TerminalProgress;
+use crate::setup;
 use crate::stats::StatsTarget;
 use raycast_core::camera::{Camera, Grid, Rect, SubCamera};
+use raycast_core::formats::{self, SceneFile};
 use raycast_core::picture::{Format, Fragment, Picture, Recipe};
 use raycast_core::render::{Cancel, Clock, Pass, TileStats, View, center_first};
 use rayon::ThreadPool;
@@ -20,12 +22,7 @@ use std::time::{Duration, Instant};
 /// Renders a picture, or a fragment of one, to a file.
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let started = Instant::now();
-    let deep_zoom = is_deep_zoom(&args.output);
-    let format = match deep_zoom {
-        true => Format::Png,
-        false => Format::from_name(&args.output.to_string_lossy())?,
-    };
-    check_options(args, format, deep_zoom)?;
+    let (format, deep_zoom) = check_options(args)?;
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     inputs.extend(args.shading.texture.as_deref());
     let output = Output::at(&args.output, &inputs)?;
@@ -107,8 +104,44 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     saved_scene.map_or(Ok(()), Unfinished::finish)
 }
 
-/// Checks that the options are consistent.
-fn check_options(args: &RenderArgs, format: Format, deep_zoom: bool) -> Result<(), Failure> {
+/// Checks a command line of one picture without reading meshes, as far as that is possible.
+///
+/// # Errors
+/// What [`run`] refuses: options, files that are not there, a scene file's text.
+pub(super) fn check(args: &RenderArgs) -> Result<(), Failure> {
+    check_options(args)?;
+    check_scene(args).map(drop)
+}
+
+/// Checks options and files that one picture and frames have in common. Returns what the scene files say beside objects.
+///
+/// # Errors
+/// As [`check`].
+pub(super) fn check_scene(args: &RenderArgs) -> Result<SceneFile, Failure> {
+    let file = setup::load_settings(&args.files, &args.reading)?;
+    if let Some(texture) = &args.shading.texture {
+        formats::open_regular(texture)?;
+    }
+    args.casting.clip.planes(file.clip)?;
+    let name = setup::name_of(&args.files);
+    let size = setup::check_camera(&args.camera, file.camera.as_ref(), file.image)
+        .map_err(|error| setup::camera_failure(&args.camera, &name, error))?;
+    if let (Some((columns, rows)), Some(cell)) = (size, args.tiles.sub_camera) {
+        let counts = args.tiles.grid().counts(columns, rows);
+        if cell.0 >= counts.0 || cell.1 >= counts.1 {
+            return Err(no_sub_camera(counts, cell));
+        }
+    }
+    Ok(file)
+}
+
+/// Checks that the options are consistent. Returns the format, and whether the picture is a deep zoom.
+fn check_options(args: &RenderArgs) -> Result<(Format, bool), Failure> {
+    let deep_zoom = is_deep_zoom(&args.output);
+    let format = match deep_zoom {
+        true => Format::Png,
+        false => Format::from_name(&args.output.to_string_lossy())?,
+    };
     if deep_zoom
         && (args.tiles.sub_camera.is_some() || args.tiles.unfinished.is_some() || args.resume)
     {
@@ -124,7 +157,7 @@ fn check_options(args: &RenderArgs, format: Format, deep_zoom: bool) -> Result<(
             "an unfinished picture has no layers: write it as .png, .ppm, .jpg or .tif",
         ));
     }
-    Ok(())
+    Ok((format, deep_zoom))
 }
 
 /// A picture that is rendered to a file.
@@ -248,15 +281,18 @@ pub(super) fn sub_camera_at(
     grid: Grid,
     (column, row): (u32, u32),
 ) -> Result<SubCamera, Failure> {
-    grid.sub_camera(camera, column, row).ok_or_else(|| {
-        let plane = camera.plane();
-        let (across, down) = grid.counts(plane.columns, plane.rows);
-        Failure::usage(format!(
-            "there is no sub-camera {column},{row} in a grid of {across}x{down}: the last is {},{}",
-            across - 1,
-            down - 1
-        ))
-    })
+    let plane = camera.plane();
+    let counts = grid.counts(plane.columns, plane.rows);
+    let found = grid.sub_camera(camera, column, row);
+    found.ok_or_else(|| no_sub_camera(counts, (column, row)))
+}
+
+fn no_sub_camera((across, down): (u32, u32), (column, row): (u32, u32)) -> Failure {
+    Failure::usage(format!(
+        "there is no sub-camera {column},{row} in a grid of {across}x{down}: the last is {},{}",
+        across - 1,
+        down - 1
+    ))
 }
 
 /// Renders the whole picture; returns the statistics of all tiles as well.

@@ -5,9 +5,10 @@ use crate::memory;
 use crate::output::Output;
 use crate::progress::TerminalProgress;
 use raycast_core::camera::Rect;
+use raycast_core::formats;
 use raycast_core::picture::{self, Format, Fragment, FragmentError, Part, Picture, RowReader};
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -22,6 +23,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let format = Format::from_name(&args.output.to_string_lossy())?;
     let inputs: Vec<&Path> = args.fragments.iter().map(AsRef::as_ref).collect();
     let output = Output::at(&args.output, &inputs)?;
+    check_all_there(&inputs)?;
 
     let progress = TerminalProgress::new();
     progress.counting("reading", inputs.len() as u64);
@@ -100,6 +102,31 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     written.finish()
 }
 
+/// Checks that all fragments are there, so that one failure names all that are not.
+fn check_all_there(inputs: &[&Path]) -> Result<(), Failure> {
+    /// The most that a message names; the others are counted.
+    const NAMED: usize = 10;
+    let is_missing = |path: &&&Path| {
+        let found = std::fs::metadata(path);
+        found.is_err_and(|error| error.kind() == ErrorKind::NotFound)
+    };
+    let missing: Vec<String> = (inputs.iter().filter(is_missing))
+        .map(|path| path.display().to_string())
+        .collect();
+    let more = match missing.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    match missing.len() {
+        0 => Ok(()),
+        count => Err(Failure::could_not(format!(
+            "{count} of {} fragments are missing: {}{more}",
+            inputs.len(),
+            missing[..count.min(NAMED)].join(", ")
+        ))),
+    }
+}
+
 /// A file's length and modification time, by which a change during reading is detected.
 type State = Option<(u64, SystemTime)>;
 
@@ -115,7 +142,7 @@ fn changed(path: &Path) -> Failure {
 /// Opens a checked fragment again.
 fn read_rows(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
-    let file = File::open(path).map_err(cannot)?;
+    let file = formats::open_regular(path)?;
     if state != file_state(path) {
         return Err(changed(path));
     }
@@ -126,7 +153,7 @@ fn read_rows(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Fa
 /// A fragment's bytes; of a file in another format, only as many as are needed to recognise it.
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
-    let mut file = File::open(path).map_err(cannot)?;
+    let mut file = formats::open_regular(path)?;
     let mut bytes = Vec::new();
     file.by_ref()
         .take(8)

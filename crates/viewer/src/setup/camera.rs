@@ -21,17 +21,8 @@ pub fn camera(
     image: ImageSettings,
     bounds: &Bounds,
 ) -> Result<Camera, Failure> {
-    let projection = projection(args, file)?;
-    let shift = shift(args, image, projection)?;
-    let stereo = stereo(args, image.stereo)?;
-    check_stereo(stereo.as_ref(), projection, None)?;
-    let request = CameraRequest {
-        args,
-        file,
-        image,
-        projection,
-        stereo,
-    };
+    let request = CameraRequest::new(args, file, image)?;
+    let (projection, stereo) = (request.projection, request.stereo);
     let default_size = request.default_size();
     let fov = request.fov()?;
     let (columns, rows) = args.size.unwrap_or(default_size);
@@ -46,7 +37,25 @@ pub fn camera(
     let stereo = stereo.map(|stereo| converging(stereo, projection, distance));
     check_stereo(stereo.as_ref(), projection, Some(plane))?;
     let camera = Camera::new(placement, projection, plane);
-    Ok(camera.shifted(shift).in_stereo(stereo))
+    Ok(camera.shifted(request.shift).in_stereo(stereo))
+}
+
+/// Checks of the requested camera what does not depend on what there is to see. Returns the picture's size, unless that
+/// does.
+///
+/// # Errors
+/// As [`camera`].
+pub fn check_camera(
+    args: &CameraArgs,
+    file: Option<&CameraFile>,
+    image: ImageSettings,
+) -> Result<Option<(u32, u32)>, Failure> {
+    let request = CameraRequest::new(args, file, image)?;
+    request.fov()?;
+    Ok(match args.step {
+        Some(_) => args.size,
+        None => Some(args.size.unwrap_or(request.default_size())),
+    })
 }
 
 /// What a camera is made from: options before the scene file's settings before defaults.
@@ -55,10 +64,30 @@ struct CameraRequest<'a> {
     file: Option<&'a CameraFile>,
     image: ImageSettings,
     projection: Projection,
+    shift: [f64; 2],
     stereo: Option<Stereo>,
 }
 
 impl<'a> CameraRequest<'a> {
+    fn new(
+        args: &'a CameraArgs,
+        file: Option<&'a CameraFile>,
+        image: ImageSettings,
+    ) -> Result<Self, Failure> {
+        let projection = projection(args, file)?;
+        let shift = shift(args, image, projection)?;
+        let stereo = stereo(args, image.stereo)?;
+        check_stereo(stereo.as_ref(), projection, None)?;
+        Ok(Self {
+            args,
+            file,
+            image,
+            projection,
+            shift,
+            stereo,
+        })
+    }
+
     /// The numbers of pictures side by side and one above the other.
     fn pictures(&self) -> (u32, u32) {
         self.stereo.map_or((1, 1), |stereo| stereo.pictures())

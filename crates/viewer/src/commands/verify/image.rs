@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use raycast_core::camera::Rect;
+use raycast_core::formats;
 use raycast_core::picture::{ImageError, ImageFile, Recipe, RowReader};
 use std::fs::File;
 use std::io::BufReader;
@@ -44,7 +45,7 @@ impl Image<'_> {
 /// Opens an image that RayCast wrote, whole or a fragment.
 pub(super) fn read(path: &Path) -> Result<Image<'_>, Failure> {
     let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
-    let file = File::open(path).map_err(cannot)?;
+    let file = formats::open_regular(path)?;
     let length = file.metadata().map_err(cannot)?.len();
     let reader = RowReader::open(BufReader::new(file), length);
     let reader = reader.map_err(|error| cannot_read(path, &error))?;
