@@ -156,7 +156,7 @@ fn a_render_that_is_ended_goes_on_to_the_same_bytes() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     // One thread and many samples: bands take long enough to be ended among them, on a busy machine, too.
-    let slow = ["--threads", "1", "--samples", "8"];
+    let slow = ["--threads", "1", "--samples", "32"];
     for (end, size) in [("png", "5000x4096"), ("exr", "3000x2000")] {
         let (whole, out) = (at(&format!("whole.{end}")), at(&format!("out.{end}")));
         let more = [&["--size", size][..], &slow].concat();
