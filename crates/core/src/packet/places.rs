@@ -544,8 +544,8 @@ fn extrapolated_to_the_right(eight: &[[f64; LANES]; 2]) -> [[f64; LANES]; 2] {
     let mut next = [[0.0; LANES]; 2];
     for axis in 0..2 {
         let [before, last] = [eight[axis][LANES - 2], eight[axis][LANES - 1]];
-        for lane in 0..LANES {
-            next[axis][lane] = last + (last - before) * (lane + 1) as f64;
+        for (lane, next) in next[axis].iter_mut().enumerate() {
+            *next = last + (last - before) * (lane + 1) as f64;
         }
     }
     next
