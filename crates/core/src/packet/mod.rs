@@ -19,7 +19,9 @@
 //!    a single ray. Decisions that hold for all rays are made once (`decisions`).
 //!
 //! Before that, the plane of one triangle and the corners of the other order the two for eight rays or a whole cell
-//! (`plane_order`); only rays for which that is not sure either are left undecided.
+//! (`plane_order`); only rays for which that is not sure either are left undecided. Of layers too close together for
+//! single precision, most are behind triangles that a cell's rays surely hit (`interval_zbuffer::sure_hits`), and are not
+//! merged.
 //!
 //! With clipping planes, boxes and triangles that the planes remove are skipped on the way, and triangles that they
 //! cut get an additional edge (`interval_zbuffer::cut_triangles`).

@@ -9,7 +9,8 @@
 //! is positive where the first triangle is hit before the second, and negative where it is hit after. F is linear in i
 //! and j. So triangles that lie closer together than single precision distinguishes are ordered eight rays at once, or
 //! a cell at once, where depth intervals would leave each ray to be decided on its own. Where all sₖ have one sign this
-//! is the plane test of Newell, Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972.
+//! is the plane test of Newell, Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972. Where all sₖ may be zero, exact
+//! arithmetic says whether they are: then both triangles lie in one plane, and the lower primitive id is hit first.
 //!
 //! # Error bound
 //! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by

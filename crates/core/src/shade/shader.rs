@@ -33,8 +33,8 @@ use needs::{is_colored, needs_of};
 use std::sync::Arc;
 use triangles::{creased, world_normals};
 
-/// Pixels of a row that are asked at once whether all have a ray, where not all of the row are known to. With more, less is
-/// known of them at a lens's end; with fewer, asking takes as long as one of them does.
+/// Pixels of a row that are tested together for having rays, where a whole row's are not known to. Longer runs fail the test
+/// more often near a lens's end; with shorter ones the tests take as long as those of single pixels.
 const RUN: usize = 32;
 
 /// Computes the colours of hits. It holds what all pixels of a picture share: lights, mappings of textures, the background.

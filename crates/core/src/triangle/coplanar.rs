@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_are_told_apart_through_others() {
+    fn planes_are_distinguished_through_others() {
         let corners = |primitive: u32| {
             let height = (primitive % 3) as f32;
             [Vec3::X, Vec3::Y, Vec3::ONE].map(|corner| corner.with_z(height + corner.x))

@@ -1,6 +1,6 @@
 use super::{CastingArgs, ReadingArgs, camera_values, shading_values, values};
 use clap::Args;
-use raycast_core::camera::Projection;
+use raycast_core::camera::{BrownConrady, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::shade::Mode;
 use raycast_report::scenes::Made;
@@ -37,6 +37,9 @@ pub struct BenchArgs {
     /// How rays leave the camera
     #[arg(long, value_name = "KIND", default_value = "perspective", value_parser = values::named(camera_values::PROJECTIONS))]
     pub projection: Projection,
+    /// Lens distortion of a perspective picture, as that of `render`
+    #[arg(long, value_name = "K1,K2,P1,P2,K3", allow_hyphen_values = true, conflicts_with = "projection", value_parser = camera_values::lens)]
+    pub lens: Option<BrownConrady>,
     /// Measure only the view from this point
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     pub eye: Option<DVec3>,
@@ -63,4 +66,11 @@ pub struct BenchArgs {
     /// How files are read.
     #[command(flatten)]
     pub reading: ReadingArgs,
+}
+
+impl BenchArgs {
+    /// The projection, through the lens if there is one.
+    pub fn projection(&self) -> Projection {
+        self.lens.map_or(self.projection, Projection::through)
+    }
 }

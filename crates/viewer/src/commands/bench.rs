@@ -263,19 +263,21 @@ fn baselines(accel: &Arc<Accel>, embree: Result<Arc<Embree>, EmbreeError>) -> Ve
 fn inside(args: &BenchArgs) -> Result<Vec<(&'static str, Camera)>, Failure> {
     let camera = |close| -> Result<Camera, Failure> {
         let camera = interior_camera(args.size, close)?;
-        let plane = match args.projection.panorama() {
-            Some(_) => plane(args, &camera.placement())?,
-            None => camera.plane(),
+        let projection = args.projection();
+        let is_planar = projection.panorama().is_none() || projection.lens().is_some();
+        let plane = match is_planar {
+            true => camera.plane(),
+            false => plane(args, &camera.placement())?,
         };
-        Ok(Camera::new(camera.placement(), args.projection, plane))
+        Ok(Camera::new(camera.placement(), projection, plane))
     };
     Ok(vec![("medium", camera(false)?), ("close", camera(true)?)])
 }
 
 /// The field of view in degrees, checked.
 fn fov(args: &BenchArgs) -> Result<f64, Failure> {
-    let fov = args.fov.unwrap_or(args.projection.default_fov());
-    let checked = args.projection.check_fov(fov);
+    let fov = args.fov.unwrap_or(args.projection().default_fov());
+    let checked = args.projection().check_fov(fov);
     checked.map_err(|error| Failure::usage(format!("--fov {fov}: {error}")))
 }
 
@@ -286,7 +288,7 @@ fn plane(args: &BenchArgs, placement: &Placement) -> Result<ImagePlane, Failure>
         size: Some(args.size),
         ..PlaneRequest::default()
     };
-    let frame = args.projection.frame(fov(args)?, distance);
+    let frame = args.projection().frame(fov(args)?, distance);
     Ok(request.resolve(args.size, frame)?)
 }
 
@@ -295,7 +297,7 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
     let camera = |placement: Placement| -> Result<Camera, Failure> {
         placement.check()?;
         let plane = plane(args, &placement)?;
-        Ok(Camera::new(placement, args.projection, plane))
+        Ok(Camera::new(placement, args.projection(), plane))
     };
     if let Some(eye) = args.eye {
         let target = args.target.unwrap_or(scene.bounding_sphere().0);
@@ -306,7 +308,7 @@ fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)
         };
         return Ok(vec![("given", camera(given)?)]);
     }
-    let seen = args.projection.fitting_fov(fov(args)?);
+    let seen = args.projection().fitting_fov(fov(args)?);
     let from = |nearer| camera(views::filling(scene, args.size, seen, nearer)?.placement());
     Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }

@@ -333,14 +333,9 @@ impl IntervalZBuffer {
             return;
         };
         let before = *primitives;
-        let mut sure_hits = [MISS; ROW];
-        for_each_bit(u64::from(undecided.rays), |lane| {
-            let lane = lane % ROW;
-            let sure_hit = self.sure_hit(first + lane, before[lane]);
-            sure_hits[lane] = sure_hit.unwrap_or(MISS);
-        });
-        let mut was_undecided = 0;
+        let (mut sure_hits, mut was_undecided) = ([MISS; ROW], 0);
         for (lane, &stored) in before.iter().enumerate() {
+            sure_hits[lane] = self.sure_hit(first + lane, stored).unwrap_or(MISS);
             was_undecided |= u32::from(stored == UNDECIDED) << lane;
         }
         let mut rest = undecided.rays;

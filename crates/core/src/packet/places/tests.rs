@@ -19,6 +19,12 @@ fn lattices() -> impl Iterator<Item = Lattice> {
     })
 }
 
+/// Whether a rectangle of a lattice's rays is one packet, whose places are then found.
+fn fits(places: &mut Places, (lattice, rays): (&Lattice, &PanoramaRays), rect: Rect) -> bool {
+    let region = rays.lens_region(rect);
+    places.find(Plain, (&lattice.camera, rays), rect, region) == Fit::Packet
+}
+
 /// The truth is the ray's own direction through the packet's map, which is off by a tenth of the bound. Places of
 /// rays that are very close together are off by more than rounding to single precision: they need the bound.
 #[test]
@@ -34,13 +40,7 @@ fn places_are_within_their_error_bound_of_rays() {
                 width: 32,
                 height: 50 - y.max(18),
             };
-            if places.find(
-                Plain,
-                (&lattice.camera, &rays),
-                rect,
-                rays.lens_region(rect),
-            ) != Fit::Packet
-            {
+            if !fits(&mut places, (&lattice, &rays), rect) {
                 continue;
             }
             packets += 1;
@@ -83,13 +83,7 @@ fn windows_of_cells_contain_their_rays() {
             width: 31,
             height: 30,
         };
-        if places.find(
-            Plain,
-            (&lattice.camera, &rays),
-            rect,
-            rays.lens_region(rect),
-        ) != Fit::Packet
-        {
+        if !fits(&mut places, (&lattice, &rays), rect) {
             continue;
         }
         let windows = places.cell_windows();
@@ -126,13 +120,7 @@ fn boxes_touch_the_rows_and_cells_of_the_rays_in_them() {
             width: 32,
             height: 32,
         };
-        if places.find(
-            Plain,
-            (&lattice.camera, &rays),
-            rect,
-            rays.lens_region(rect),
-        ) != Fit::Packet
-        {
+        if !fits(&mut places, (&lattice, &rays), rect) {
             continue;
         }
         for at in 0..RAYS {
