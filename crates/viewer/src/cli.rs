@@ -116,7 +116,7 @@ pub enum Subcommand {
     /// Describe files: triangles, bounds, materials, faults
     Info(InfoArgs),
     /// Measure frame times on this machine; prints JSON
-    Bench(BenchArgs),
+    Bench(Box<BenchArgs>),
     /// Measure speed and errors beside other ray casters, and write a report
     Report(ReportArgs),
     /// Check a picture's pixels against exact rational arithmetic
