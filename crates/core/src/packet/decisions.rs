@@ -2,9 +2,11 @@
 
 use super::plane_along_rays::PlaneAlongRays;
 use super::plane_order::{PlaneOrder, PlaneOrders};
+use super::ray_rect::RayRect;
+use super::ray_starts::RayStarts;
 use super::setup::PacketSpace;
 use crate::bvh::Accel;
-use crate::camera::{Camera, Projection};
+use crate::camera::{Lattice, Projection};
 use crate::hit::Precision;
 use crate::num::simd::Simd;
 use crate::triangle::clip::{AtCorners, AtEye, Clip};
@@ -23,6 +25,7 @@ pub(crate) struct Decisions<'a> {
     edge_on: EdgeOn,
     coplanar: Coplanar,
     plane_orders: PlaneOrders,
+    ray_starts: RayStarts,
     /// With fast casting, triangles of one plane are ordered by their rounded distances.
     precision: Precision,
 }
@@ -31,9 +34,10 @@ impl<'a> Decisions<'a> {
     pub(super) fn new(
         accel: &'a Accel,
         clip: &'a Clip,
-        camera: &Camera,
+        lattice: &Lattice,
         precision: Precision,
     ) -> Self {
+        let camera = &lattice.camera;
         let has_eye = camera.projection() != Projection::Orthographic;
         Self {
             accel,
@@ -46,6 +50,7 @@ impl<'a> Decisions<'a> {
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
             plane_orders: PlaneOrders::new(),
+            ray_starts: RayStarts::new(lattice),
             precision,
         }
     }
@@ -84,12 +89,19 @@ impl<'a> Decisions<'a> {
     }
 
     /// Begins a packet: triangles are ordered, and cut, along its rays.
-    pub(super) fn set_rays(&mut self, space: &PacketSpace) {
+    pub(super) fn set_rays(&mut self, space: &PacketSpace, packet: &RayRect) {
+        self.ray_starts.set_rays(packet);
         self.plane_orders.set_rays(space);
         self.planes_along_rays.clear();
         let planes = self.planes_at_eye.iter();
         self.planes_along_rays
             .extend(planes.map(|plane| space.along_rays(plane)));
+    }
+
+    /// Which of eight rays, as bits, start in front of a triangle that they cross: see [`RayStarts::in_front`].
+    #[inline(never)]
+    pub(super) fn start_in_front(&mut self, primitive: u32, rays: (usize, u32)) -> u32 {
+        (self.ray_starts).in_front(self.accel, &mut self.coplanar, primitive, rays)
     }
 
     /// The order of two triangles along the packet's rays. All rays that hit two triangles of one plane hit the one with the

@@ -16,7 +16,8 @@
 //!    their distance, depths are relative to a `depth_reference`.
 //! 5. `interval_zbuffer`: triangles are rasterised into one interval of depth per ray, in single precision.
 //!    A ray that bounds leave undecided is marked so and its rivals are recorded; `cast` tests it against these as
-//!    a single ray. Decisions that hold for all rays are made once (`decisions`).
+//!    a single ray. Decisions that hold for all rays are made once (`decisions`),
+//!    and whether parallel rays start in front of triangles that they nearly start on, once a plane (`ray_starts`).
 //!
 //! Before that, the plane of one triangle and the corners of the other order the two for eight rays or a whole cell
 //! (`plane_order`); only rays for which that is not sure either are left undecided. Of layers too close together for
@@ -69,6 +70,7 @@ mod ray_bounds;
 mod ray_bounds_tests;
 mod ray_box;
 mod ray_rect;
+mod ray_starts;
 mod rivals;
 mod setup;
 #[cfg(test)]

@@ -54,16 +54,30 @@ fn values(triangle: &SmallTriangle<'_>, [x, y]: [f32; 2]) -> ([f32; 3], f32) {
     (values, base + (values[2] * by_third + values[0] * by_first))
 }
 
-/// Projects eight triangles, and checks each at a ray so many columns and rows beside its place.
+/// What triangles are projected into.
+struct Packet {
+    camera: Camera,
+    projector: Projector,
+    tree_origin: DVec3,
+    cull: Cull,
+    /// How many columns and rows beside their places rays may be.
+    ray_error: f64,
+}
+
+/// Projects eight triangles into a packet, and checks each at a ray beside its place.
 fn check_eight(
-    projector: &Projector,
-    camera: &Camera,
-    (tree_origin, cull): (DVec3, Cull),
+    packet: &Packet,
     triangles: &[Aimed; LANES],
-    aside: f64,
     random: &mut Random,
     tally: &mut Tally,
 ) {
+    let Packet {
+        camera,
+        projector,
+        tree_origin,
+        cull,
+        ray_error,
+    } = packet;
     let corners = lanes_of(triangles.map(|(triangle, _)| triangle));
     let mut found = PlacedTriangles::NONE;
     if !found.project(Plain, projector, &corners, LANES, &AROUND) {
@@ -72,14 +86,14 @@ fn check_eight(
         return;
     }
     for (l, &(corners, place)) in triangles.iter().enumerate() {
-        let [i, j] = [(); 2].map(|()| aside * random.signed());
+        let [i, j] = [(); 2].map(|()| ray_error * random.signed());
         let ray = camera.ray(place[0] + 0.5 + i, place[1] + 0.5 + j);
         let place = place.map(|at| at as f32);
         let placed = PlacedTriangle {
             corners,
-            origin: tree_origin,
+            origin: *tree_origin,
         };
-        let truth = exact::hit(&ray, &placed, cull, 0);
+        let truth = exact::hit(&ray, &placed, *cull, 0);
         let key = truth.map(|hit| 1.0 / (hit.t * ray.direction.dot(camera.forward())));
         let case = format!("{camera:?}: {corners:?} at {place:?}");
         let bounds = found.bounds.of(l);
@@ -122,21 +136,18 @@ fn check(pitch: f64, tree_origin: DVec3, depth: f32, tally: &mut Tally) {
     for round in 0..1500 {
         let camera = camera(&mut random, tree_origin, Projection::Perspective, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
-        let projector = Projector::new(&space(&camera, tree_origin, cull), depth);
+        let packet = Packet {
+            camera,
+            projector: Projector::new(&space(&camera, tree_origin, cull), depth),
+            tree_origin,
+            cull,
+            ray_error: 0.0,
+        };
         let triangles: [Aimed; LANES] = std::array::from_fn(|_| {
             let size = pitch * [0.2, 1.0, 2.0, 12.0][(random.unit() * 4.0) as usize];
             aimed(&mut random, &camera, tree_origin, size)
         });
-        let within = (tree_origin, cull);
-        check_eight(
-            &projector,
-            &camera,
-            within,
-            &triangles,
-            0.0,
-            &mut random,
-            tally,
-        );
+        check_eight(&packet, &triangles, &mut random, tally);
     }
 }
 
@@ -167,17 +178,14 @@ fn rays_beside_their_places_are_within_the_bounds_of_placed_triangles() {
         space.ray_error = 0.02;
         let triangles: [Aimed; LANES] =
             std::array::from_fn(|_| aimed(&mut random, &camera, DVec3::ZERO, 2e-3));
-        let projector = Projector::new(&space, 5.0);
-        let within = (DVec3::ZERO, Cull::None);
-        check_eight(
-            &projector,
-            &camera,
-            within,
-            &triangles,
-            space.ray_error,
-            &mut random,
-            &mut tally,
-        );
+        let packet = Packet {
+            camera,
+            projector: Projector::new(&space, 5.0),
+            tree_origin: DVec3::ZERO,
+            cull: Cull::None,
+            ray_error: space.ray_error,
+        };
+        check_eight(&packet, &triangles, &mut random, &mut tally);
     }
     assert!(tally.hits > 2000, "{tally:?}");
 }
@@ -195,7 +203,14 @@ fn nearby_triangles_of_a_wide_packet_keep_the_rays_that_hit_them() {
         let camera = Camera::new(placement, Projection::Perspective, plane);
         let space = space(&camera, DVec3::ZERO, Cull::None);
         let near = math::pow(10.0, -2.0 + 2.0 * random.unit());
-        let projector = Projector::new(&space, (near * (3.0 + 600.0 * random.unit())) as f32);
+        let depth = (near * (3.0 + 600.0 * random.unit())) as f32;
+        let packet = Packet {
+            camera,
+            projector: Projector::new(&space, depth),
+            tree_origin: DVec3::ZERO,
+            cull: Cull::None,
+            ray_error: 0.0,
+        };
         let triangles = std::array::from_fn(|_| {
             let [x, y] = [(); 2].map(|()| 20.0 + random.unit() * 11.0);
             let point = camera.ray(x + 0.5, y + 0.5).at(near);
@@ -203,16 +218,7 @@ fn nearby_triangles_of_a_wide_packet_keep_the_rays_that_hit_them() {
             let mut aside = || point + random.point() * size;
             ([point, aside(), aside()].map(DVec3::as_vec3), [x, y])
         });
-        let within = (DVec3::ZERO, Cull::None);
-        check_eight(
-            &projector,
-            &camera,
-            within,
-            &triangles,
-            0.0,
-            &mut random,
-            &mut tally,
-        );
+        check_eight(&packet, &triangles, &mut random, &mut tally);
     }
     assert!(tally.hits > 1000, "{tally:?}");
 }

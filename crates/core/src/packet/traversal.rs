@@ -144,7 +144,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             cut: 0,
             queued: Batch::default(),
             boxes: [RayBox::default(); LANES],
-            decisions: Decisions::new(accel, clip, &lattice.camera, precision),
+            decisions: Decisions::new(accel, clip, lattice, precision),
             reference: DepthReference::NONE,
             counts: CastCounts::default(),
         }
@@ -239,7 +239,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 }
                 if !begun {
                     begun = true;
-                    self.decisions.set_rays(&space);
+                    self.decisions.set_rays(&space, packet);
                     zbuffer.clear(lanes, packet.columns, packet.rows, self.start_key());
                 }
                 let corners = self.corners(lanes, self.batch.primitives());

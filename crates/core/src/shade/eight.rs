@@ -3,12 +3,11 @@
 //! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
 //! are the same to the bit.
 
-use super::eight_colors::{Eight, EightColors, Target};
+use super::eight_colors::{Eight, EightColors, Target, TargetRow};
 use super::facet::Facet;
 use super::hit_rows::{EightHits, EightNumbers, HitRows};
 use super::reflection::Surfaces;
 use super::scanlines::ShadeScanlines;
-use super::tile::within;
 use super::tile_rays::TileRays;
 use super::vectors::{Rows, Vectors};
 use super::{TileShader, srgb};
@@ -393,12 +392,8 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
         let is_constant = shader.has_constant_surfaces() && has_lines && is_plain;
         for row in 0..lattice.rows {
             let begin = row as usize * columns;
-            let (pixels, light) = match &mut picture {
-                Target::Bytes(rows) => match rows.next() {
-                    Some(pixels) => (within(pixels, columns), &mut [][..]),
-                    None => break,
-                },
-                Target::Light(light) => (&mut [][..], &mut light[begin..begin + columns]),
+            let Some(TargetRow { pixels, light }) = picture.row(row, columns) else {
+                break;
             };
             let (left, y) = rays.place(0, row);
             let (right, _) = rays.place(lattice.columns.saturating_sub(1), row);

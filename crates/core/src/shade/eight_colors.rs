@@ -1,5 +1,6 @@
 //! Which modes are shaded eight pixels at once, and where the colours go.
 
+use super::tile::within;
 use super::vectors::Vectors;
 use crate::num::simd::Lanes;
 
@@ -33,8 +34,10 @@ pub(super) enum RowColors {
     Own,
     /// [`EightColors::Flat`], with textures.
     Flat,
-    /// [`EightColors::Smooth`], with or without textures.
-    Smooth(bool),
+    /// [`EightColors::Smooth`], without textures.
+    Smooth,
+    /// [`EightColors::Smooth`], with textures.
+    SmoothTextured,
     /// [`EightColors::Normals`].
     Normals,
     /// [`EightColors::Depth`].
@@ -49,7 +52,7 @@ impl RowColors {
     /// Whether triangles may have textures.
     #[inline(always)]
     pub(super) fn have_textures(self) -> bool {
-        matches!(self, Self::Own | Self::Flat | Self::Smooth(true))
+        matches!(self, Self::Own | Self::Flat | Self::SmoothTextured)
     }
 }
 
@@ -67,4 +70,31 @@ pub(super) enum Target<'t, 'p> {
     Bytes(&'t mut dyn Iterator<Item = &'p mut [[u8; 4]]>),
     /// Linear light, row by row.
     Light(&'t mut [[f32; 4]]),
+}
+
+/// A row of a [`Target`]. One of the two is empty.
+pub(super) struct TargetRow<'r> {
+    pub(super) pixels: &'r mut [[u8; 4]],
+    /// Linear light.
+    pub(super) light: &'r mut [[f32; 4]],
+}
+
+impl Target<'_, '_> {
+    /// The next row, `row`, of so many columns. `None` where the picture ends.
+    #[inline(always)]
+    pub(super) fn row(&mut self, row: u32, columns: usize) -> Option<TargetRow<'_>> {
+        match self {
+            Self::Bytes(rows) => Some(TargetRow {
+                pixels: within(rows.next()?, columns),
+                light: &mut [],
+            }),
+            Self::Light(light) => {
+                let begin = row as usize * columns;
+                Some(TargetRow {
+                    pixels: &mut [],
+                    light: light.get_mut(begin..begin + columns)?,
+                })
+            }
+        }
+    }
 }

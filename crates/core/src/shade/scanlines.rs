@@ -5,20 +5,26 @@
 //! samples at a time are coloured by these numbers, whatever triangles they show, but for the texture, which neighbouring
 //! spans may share. Each sample has the bits of [`Shader::color`](super::Shader::color).
 
-use super::eight_colors::{Eight, RowColors, Target};
+mod looks;
+mod outputs;
+
+use super::eight_colors::{RowColors, Target};
 use super::facet::Interpolation;
 use super::hit_rows::HitRows;
 use super::interpolants::{PlanarRays, eight_along, eight_weights_of};
 use super::numbers::Numbers;
 use super::row_textures::{ColorTextured, RowTextures, Textured};
-use super::spans::{COLUMNS, Span, put, spans};
-use super::tile::within;
-use super::vectors::{Rows, Vectors};
-use super::{Shader, TileShader, srgb};
+use super::spans::{COLUMNS, Span, spans};
+use super::vectors::Vectors;
+use super::{Shader, TileShader};
 use crate::camera::Lattice;
 use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::{MISS, PrimitiveHit};
 use glam::Vec3;
+use looks::{
+    FlatLight, Greys, Look, NormalColors, OwnColors, SmoothLight, TextureCoordinates, Weights,
+};
+use outputs::{Bytes, Light, Out, Unencoded};
 
 /// Numbers of a sample, at most: U, V, W and texture coordinates at the corners.
 const NUMBERS: usize = 9;
@@ -80,13 +86,10 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         for row in 0..lattice.rows {
             let begin = row as usize * width;
             let (_, y) = lattice.place(0, row);
-            let (mut pixels, mut light) = match &mut picture {
-                Target::Bytes(rows) => match rows.next() {
-                    Some(pixels) => (within(pixels, width), &mut [][..]),
-                    None => break,
-                },
-                Target::Light(light) => (&mut [][..], &mut light[begin..begin + width]),
+            let Some(target) = picture.row(row, width) else {
+                break;
             };
+            let (mut pixels, mut light) = (target.pixels, target.light);
             let mut left = 0;
             while left < width {
                 if width > COLUMNS {
@@ -215,7 +218,7 @@ impl<'s> Scanline<'_, 's, '_> {
                 fill(lanes, facet.light.to_array(), numbers, span);
                 fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
             }
-            RowColors::Smooth(_) | RowColors::Normals => {
+            RowColors::Smooth | RowColors::SmoothTextured | RowColors::Normals => {
                 let Some(normal) = &facet.linear_normal else {
                     return false;
                 };
@@ -231,7 +234,7 @@ impl<'s> Scanline<'_, 's, '_> {
                     store(normal.xyz(), numbers, at);
                     at += LANES;
                 }
-                if matches!(self.colors, RowColors::Smooth(_)) {
+                if !matches!(self.colors, RowColors::Normals) {
                     fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
                 }
             }
@@ -285,7 +288,9 @@ impl<'s> Scanline<'_, 's, '_> {
         match self.colors {
             RowColors::Own => self.color_by(lanes, &OwnColors, samples, out),
             RowColors::Flat => self.color_by(lanes, &FlatLight, samples, out),
-            RowColors::Smooth(_) => self.color_by(lanes, &SmoothLight, samples, out),
+            RowColors::Smooth | RowColors::SmoothTextured => {
+                self.color_by(lanes, &SmoothLight, samples, out);
+            }
             RowColors::Normals => self.color_by(lanes, &NormalColors, samples, out),
             RowColors::Depth => self.color_by(lanes, &Greys, samples, out),
             RowColors::Barycentric => self.color_by(lanes, &Weights, samples, out),
@@ -385,243 +390,4 @@ fn fill<L: Lanes, const N: usize>(
 fn on_side<L: Lanes>(lanes: L, normal: Vectors<L>, flat: Vec3) -> Vectors<L> {
     let is_away = normal.dot(Vectors::splat(lanes, flat)).lt(lanes.splat(0.0));
     normal.replaced(is_away, normal.scaled(lanes.splat(-1.0)))
-}
-
-/// What a mode makes of eight samples' numbers.
-trait Look {
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L>;
-}
-
-struct OwnColors;
-
-impl Look for OwnColors {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        Eight::Light(row.vectors(lanes, 3, at))
-    }
-}
-
-struct FlatLight;
-
-impl Look for FlatLight {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        Eight::Light(row.vectors(lanes, 3, at).times(row.vectors(lanes, 0, at)))
-    }
-}
-
-struct SmoothLight;
-
-impl Look for SmoothLight {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        let shader = row.tile.shader();
-        let [x, y, z] = &row.columns.to_eye;
-        let along = [
-            lanes.load(x.eight(at)),
-            lanes.load(y.eight(at)),
-            lanes.load(z.eight(at)),
-        ];
-        let [_, _, down] = *shader.to_eye();
-        let down = Vectors::splat(lanes, down).scaled(lanes.splat(row.y as f32));
-        let to_eye = Vectors::new(lanes, along).plus(down);
-        let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
-        let light = shader.light(lanes, row.unit_normals(lanes, at), to_eye);
-        Eight::Light(row.vectors(lanes, 3, at).times(light))
-    }
-}
-
-struct NormalColors;
-
-impl Look for NormalColors {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        let half = Vectors::splat(lanes, Vec3::splat(0.5));
-        Eight::Display(row.unit_normals(lanes, at).times(half).plus(half))
-    }
-}
-
-struct Greys;
-
-impl Look for Greys {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        let numbers = [row.number(lanes, 0, at), row.number(lanes, 1, at)];
-        let place = (row.columns.x.eight(at), row.y);
-        let t = row.planar.eight_distances_of(lanes, place, numbers);
-        Eight::Display(Vectors::all(lanes, row.tile.shader().eight_greys(lanes, t)))
-    }
-}
-
-struct Weights;
-
-impl Look for Weights {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        let [u, v] = row.weights(lanes, at);
-        let w = lanes.splat(1.0) - u - v;
-        Eight::Display(Vectors::new(lanes, [w, u, v]))
-    }
-}
-
-struct TextureCoordinates;
-
-impl Look for TextureCoordinates {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        let [u, v] = row.weights(lanes, at);
-        let w = lanes.splat(1.0) - u - v;
-        let [ax, bx, cx] = row.vectors(lanes, 3, at).xyz();
-        let [ay, by, cy] = row.vectors(lanes, 6, at).xyz();
-        let x = ax * w + bx * u + cx * v;
-        let y = ay * w + by * u + cy * v;
-        let [x, y] = [x - x.floor(), y - y.floor()];
-        Eight::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]))
-    }
-}
-
-/// Where colours of a row go.
-trait Out {
-    /// Eight samples' colours, as far as the row reaches.
-    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>);
-
-    /// What is left to do once all eights of these samples are there.
-    fn finish<L: Lanes>(&mut self, lanes: L, samples: (usize, usize));
-
-    /// Samples that show no triangle.
-    fn misses(&mut self, first: usize, end: usize);
-
-    /// One sample's colour.
-    fn one(&mut self, at: usize, color: [f32; 4]);
-}
-
-/// Colours in linear light that are not encoded yet, and their buckets in the tables of [`srgb`].
-struct Unencoded {
-    colors: [Numbers<f32>; 3],
-    buckets: [Numbers<u32>; 3],
-    /// Whether there are any.
-    is_used: bool,
-}
-
-impl Unencoded {
-    fn new() -> Self {
-        Self {
-            colors: [Numbers::all(0.0); 3],
-            buckets: [Numbers::all(0); 3],
-            is_used: false,
-        }
-    }
-}
-
-/// A picture's pixels.
-struct Bytes<'r, 'p> {
-    tables: &'static srgb::Tables,
-    unencoded: &'r mut Unencoded,
-    pixels: &'p mut [[u8; 4]],
-    behind: [u8; 4],
-}
-
-impl Out for Bytes<'_, '_> {
-    #[inline(always)]
-    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>) {
-        match colors {
-            Eight::Light(light) => {
-                let light = srgb::within(lanes, light);
-                let unencoded = &mut *self.unencoded;
-                unencoded.is_used = true;
-                let rows = unencoded.colors.iter_mut().zip(&mut unencoded.buckets);
-                for ((colors, buckets), light) in rows.zip(light.xyz()) {
-                    light.store(colors.eight_mut(at));
-                    *buckets.eight_mut(at) = srgb::buckets(light);
-                }
-            }
-            Eight::Display(values) => {
-                let mut bytes = [[0; 4]; LANES];
-                self.tables.display_row(lanes, values, &mut bytes);
-                put(self.pixels, at, &bytes);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn finish<L: Lanes>(&mut self, lanes: L, (first, end): (usize, usize)) {
-        if !self.unencoded.is_used {
-            return;
-        }
-        let Unencoded {
-            colors: [r, g, b],
-            buckets: [r_buckets, g_buckets, b_buckets],
-            ..
-        } = &*self.unencoded;
-        let mut at = first;
-        while at < end {
-            let colors = [
-                lanes.load(r.eight(at)),
-                lanes.load(g.eight(at)),
-                lanes.load(b.eight(at)),
-            ];
-            let colors = Vectors::new(lanes, colors);
-            let buckets = [
-                r_buckets.eight(at),
-                g_buckets.eight(at),
-                b_buckets.eight(at),
-            ];
-            let mut bytes = [[0; 4]; LANES];
-            self.tables.encode_buckets(colors, buckets, &mut bytes);
-            put(self.pixels, at, &bytes);
-            at += LANES;
-        }
-    }
-
-    #[inline(always)]
-    fn misses(&mut self, first: usize, end: usize) {
-        if let Some(pixels) = self.pixels.get_mut(first..end) {
-            pixels.fill(self.behind);
-        }
-    }
-
-    fn one(&mut self, at: usize, color: [f32; 4]) {
-        if let Some(pixel) = self.pixels.get_mut(at) {
-            *pixel = srgb::encode(color);
-        }
-    }
-}
-
-/// Samples in linear light.
-struct Light<'p> {
-    tables: &'static srgb::Tables,
-    light: &'p mut [[f32; 4]],
-    behind: [f32; 4],
-}
-
-impl Out for Light<'_> {
-    #[inline(always)]
-    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>) {
-        let opaque = match colors {
-            Eight::Light(light) => light,
-            Eight::Display(values) => self.tables.displayed(lanes, values),
-        };
-        let Rows([r, g, b]) = opaque.store();
-        let mut all = [[1.0; 4]; LANES];
-        for (lane, light) in all.iter_mut().enumerate() {
-            *light = [r[lane], g[lane], b[lane], 1.0];
-        }
-        put(self.light, at, &all);
-    }
-
-    #[inline(always)]
-    fn finish<L: Lanes>(&mut self, _: L, _: (usize, usize)) {}
-
-    #[inline(always)]
-    fn misses(&mut self, first: usize, end: usize) {
-        if let Some(light) = self.light.get_mut(first..end) {
-            light.fill(self.behind);
-        }
-    }
-
-    fn one(&mut self, at: usize, color: [f32; 4]) {
-        if let Some(light) = self.light.get_mut(at) {
-            *light = color;
-        }
-    }
 }

@@ -1,43 +1,20 @@
 //! Scenes that take other kernels, or took this one, time without bound, each with as many ordinary triangles in the
 //! same place: both should take about the same time.
 
+mod scenes;
+
 use super::{Case, CaseTheme, Setting};
-use crate::cameras::{PROJECTIONS, camera};
-use crate::meshes::{self, mesh, soup};
-use crate::stage::scene_of;
-use raycast_core::camera::{Camera, Projection};
-use raycast_core::glam::DVec3;
-use raycast_core::math;
-use raycast_core::scene::{Mesh, Object, Scene};
-use raycast_oracle::random::Random;
-use std::f64::consts::TAU;
-use std::sync::Arc;
+use crate::cameras::PROJECTIONS;
+pub use scenes::{ScenePair, SceneView};
+use scenes::{
+    between_layers, coincident, cone, crossing_layers, exponents, far_vertex, integer_plane,
+    mesh_copies, next_to_layers, next_to_planes, next_to_vertex, one_plane, ray_plane,
+    rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex, subnormal_layers,
+    thin_boxes, tiny_and_far,
+};
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
 pub const SLOWDOWN_GOAL: f64 = 20.0;
-
-/// A scene, and where it is seen from: eye, target, and the frame's height there.
-pub struct SceneView {
-    /// The scene.
-    pub scene: Scene,
-    view: (DVec3, DVec3, f64),
-}
-
-impl SceneView {
-    /// The view in a size, by a projection.
-    pub fn camera(&self, projection: Projection, size: (u32, u32)) -> Camera {
-        let (eye, target, height) = self.view;
-        camera(eye, target, projection, size, height)
-    }
-}
-
-/// A hostile scene, and one of as many ordinary triangles in the same place.
-pub struct ScenePair {
-    /// The scene that takes other kernels time without bound.
-    pub hostile: SceneView,
-    /// The scene to compare it with.
-    pub ordinary: SceneView,
-}
 
 /// A case of the theme `Time`, and the scenes whose times are compared.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +58,8 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("rays_through_edges_of_one_plane", integer_plane),
     timed("triangles_of_a_rounded_plane", rounded_plane),
     timed("layers_that_cross_by_subnormal_numbers", crossing_layers),
+    // Half of the rays of each cell start behind the plane: nothing covers it.
+    timed("rays_that_start_in_a_plane", ray_plane),
 ];
 
 macro_rules! case {
@@ -216,6 +195,12 @@ pub(super) const CASES: &[Case] = &[
         (6, 4),
         "16,000 overlapping triangles of a plane but for corners up to 2e-41 off it: each pair crosses."
     ),
+    case!(
+        "rays_that_start_in_a_plane",
+        ray_plane,
+        (6, 4),
+        "12,000 overlapping triangles of the plane that orthographic rays start in but for rounding: each starts on either side, and all are left undecided."
+    ),
 ];
 
 fn setting(variant: u32, scenes: ScenePair, size: (u32, u32)) -> Setting {
@@ -223,342 +208,4 @@ fn setting(variant: u32, scenes: ScenePair, size: (u32, u32)) -> Setting {
         .hostile
         .camera(PROJECTIONS[variant as usize % 2], size);
     Setting::new(scenes.hostile.scene).with_cameras([camera])
-}
-
-const EYE: DVec3 = DVec3::new(0.25, 0.5, 3.0);
-
-fn pair(eye: DVec3, hostile: Scene, ordinary: Scene) -> ScenePair {
-    let view_of = |scene| SceneView {
-        scene,
-        view: (eye, DVec3::ZERO, 2.0),
-    };
-    ScenePair {
-        hostile: view_of(hostile),
-        ordinary: view_of(ordinary),
-    }
-}
-
-fn single_mesh(mesh: Mesh) -> Scene {
-    scene_of([mesh])
-}
-
-/// A point that single precision represents exactly, so that an eye can be where a corner is.
-fn to_f32(point: DVec3) -> DVec3 {
-    point.as_vec3().as_dvec3()
-}
-
-/// As many random triangles as this, of about this size, around the target.
-fn ordinary(count: usize, size: f64) -> Scene {
-    let mut random = Random::new(410);
-    single_mesh(meshes::random_soup(
-        &mut random,
-        count as u32,
-        DVec3::ZERO,
-        1.0,
-        size,
-    ))
-}
-
-fn cone() -> ScenePair {
-    let around = |step: u32| {
-        let (sin, cos) = math::sin_cos(TAU * f64::from(step) / 64.0);
-        DVec3::new(cos, sin, 0.0)
-    };
-    let from = |apex: DVec3| {
-        let triangle = |step| [apex, around(step), around(step + 1)];
-        single_mesh(soup(&(0..64).map(triangle).collect::<Vec<_>>()))
-    };
-    pair(EYE, from(EYE), from(DVec3::Z * 0.5))
-}
-
-/// 12 random triangles with a corner of their own.
-fn random_fan(corner: impl Fn(&mut Random) -> [DVec3; 2]) -> Scene {
-    let mut random = Random::new(420);
-    let triangles: Vec<[DVec3; 3]> = (0..12)
-        .map(|_| {
-            let [a, b] = corner(&mut random);
-            let c = random.in_cube() * 2.0;
-            [a, b, c]
-        })
-        .collect();
-    single_mesh(soup(&triangles))
-}
-
-fn shared_vertex() -> ScenePair {
-    let hostile = random_fan(|random| [EYE, random.in_cube() * 2.0]);
-    pair(EYE, hostile, ordinary(12, 1.0))
-}
-
-fn shared_edge() -> ScenePair {
-    let along = DVec3::new(0.5, -0.125, 1.0);
-    let hostile = random_fan(|_| [EYE - along, EYE + along]);
-    pair(EYE, hostile, ordinary(12, 1.0))
-}
-
-/// Planes that hold the eye, and for orthographic rays the image plane.
-fn shared_plane() -> ScenePair {
-    let (eye, far) = (DVec3::new(0.0, 0.0, 3.0), 64.0);
-    let corners: Vec<[DVec3; 3]> = (0..12)
-        .map(|i| {
-            let turn = TAU * f64::from(i) / 12.0;
-            let corner =
-                |turn: f64| to_f32(DVec3::new(math::cos(turn), math::sin(turn), 0.0) * far);
-            match i % 3 {
-                // All around the eye, in the image plane.
-                0 => [
-                    corner(turn),
-                    corner(turn + TAU / 3.0),
-                    corner(turn - TAU / 3.0),
-                ],
-                // Edge-on, from the eye to far behind the target.
-                1 => [eye, corner(turn), DVec3::NEG_Z * far],
-                _ => [DVec3::Z * far, corner(turn), DVec3::NEG_Z * far],
-            }
-            .map(|corner| if i % 3 == 0 { corner + eye } else { corner })
-        })
-        .collect();
-    // Something to be seen behind them all.
-    let behind = meshes::sphere(DVec3::ZERO, 0.5, 8);
-    pair(
-        eye,
-        scene_of([soup(&corners), behind]),
-        ordinary(12 + 48, 1.0),
-    )
-}
-
-fn next_to_vertex() -> ScenePair {
-    let ScenePair { hostile, ordinary } = shared_vertex();
-    let eye = DVec3::from_array(EYE.to_array().map(f64::next_up));
-    pair(eye, hostile.scene, ordinary.scene)
-}
-
-fn coincident() -> ScenePair {
-    let corners = vec![
-        DVec3::new(-2.0, -2.0, 0.25),
-        DVec3::new(2.0, -2.0, -0.5),
-        DVec3::Y * 3.0,
-    ];
-    let count = 20_000;
-    let turns = [[0, 1, 2], [1, 2, 0], [2, 1, 0]];
-    let triangles = (0..count).map(|i| turns[i % 3]).collect();
-    pair(
-        EYE,
-        single_mesh(mesh(corners, triangles)),
-        ordinary(count, 1.0),
-    )
-}
-
-fn mesh_copies() -> ScenePair {
-    let sphere = Arc::new(meshes::sphere(DVec3::ZERO, 1.0, 12));
-    let count = sphere.triangles().len();
-    let objects = (0..1000).map(|_| Object::new("copy", Arc::clone(&sphere)));
-    let hostile = Scene {
-        objects: objects.collect(),
-    };
-    pair(EYE, hostile, ordinary(1000 * count, 0.5))
-}
-
-fn exponents() -> ScenePair {
-    let mut random = Random::new(430);
-    let mut number = || random.between(-1.0, 1.0).signum() * random.decade(-18.0, 18.0);
-    let corners: Vec<[DVec3; 3]> = (0..5000)
-        .map(|_| [(); 3].map(|()| DVec3::new(number(), number(), number())))
-        .collect();
-    pair(EYE, single_mesh(soup(&corners)), ordinary(5000, 0.5))
-}
-
-fn thin_boxes() -> ScenePair {
-    let boxes = (0..30_000).map(|i| {
-        let z = -1e-4 * f64::from(i);
-        meshes::cuboid(DVec3::new(-1.0, -1.0, z - 1e-7), DVec3::new(1.0, 1.0, z))
-    });
-    let corners: Vec<[DVec3; 3]> = boxes
-        .flat_map(|b| {
-            let triangle = |n| b.corners(n).unwrap_or_default();
-            let all = (0..12).map(triangle);
-            all.map(|t| t.map(|c| b.offset() + c.as_dvec3()))
-                .collect::<Vec<_>>()
-        })
-        .collect();
-    pair(
-        EYE,
-        single_mesh(soup(&corners)),
-        ordinary(corners.len(), 0.02),
-    )
-}
-
-/// A sphere of 640 rays across or more, along no axis; and one as large in the picture of a camera next
-/// to it.
-fn tiny_and_far() -> ScenePair {
-    let view_of = |radius: f64| SceneView {
-        scene: single_mesh(meshes::sphere(DVec3::ZERO, radius, 40)),
-        view: (DVec3::new(1.0, 2.0, 4.0), DVec3::ZERO, 3.0 * radius),
-    };
-    ScenePair {
-        hostile: view_of(2e-11),
-        ordinary: view_of(1.0),
-    }
-}
-
-/// Triangles of one plane that no axis lies in, around its middle.
-fn one_plane() -> ScenePair {
-    let mut random = Random::new(440);
-    let (u, v) = (DVec3::new(1.0, 0.25, -0.5), DVec3::new(-0.25, 1.0, 0.75));
-    let corners: Vec<[DVec3; 3]> = (0..64)
-        .map(|_| {
-            let turn = random.between(0.0, TAU);
-            [0.0, 1.0, 2.0].map(|third: f64| {
-                let (sin, cos) = math::sin_cos(turn + third * TAU / 3.0);
-                // Whole places hold the plane exactly.
-                (u * (cos * 256.0).round() + v * (sin * 256.0).round()) / 64.0
-            })
-        })
-        .collect();
-    pair(EYE, single_mesh(soup(&corners)), ordinary(64, 1.0))
-}
-
-/// The corners of layers, as single precision holds them.
-const LAYER: [DVec3; 3] = [
-    DVec3::new(-1.0, -1.0, 0.1),
-    DVec3::new(1.1, -1.0, 0.2),
-    DVec3::new(0.1, 1.2, 0.3),
-];
-
-/// Triangles of these corners, each coordinate moved by up to three units in its last place; and as many whose corners
-/// are moved by up to 0.3.
-fn layers(count: usize, corners: [DVec3; 3]) -> [Scene; 2] {
-    let mut random = Random::new(450);
-    let mut moved = |x: f64| {
-        let steps = random.between(-3.5, 3.5).round() as i32;
-        let x = x as f32;
-        let step = |x: f32| {
-            if steps < 0 {
-                x.next_down()
-            } else {
-                x.next_up()
-            }
-        };
-        f64::from((0..steps.abs()).fold(x, |x, _| step(x)))
-    };
-    let mut hostile = || corners.map(|c| DVec3::from_array(c.to_array().map(&mut moved)));
-    let hostile: Vec<[DVec3; 3]> = (0..count).map(|_| hostile()).collect();
-    let mut random = Random::new(460);
-    let mut ordinary = || corners.map(|corner| corner + random.in_cube() * 0.3);
-    let ordinary: Vec<[DVec3; 3]> = (0..count).map(|_| ordinary()).collect();
-    [hostile, ordinary].map(|corners| single_mesh(soup(&corners)))
-}
-
-fn rounded_layers() -> ScenePair {
-    let [hostile, ordinary] = layers(20_000, LAYER);
-    pair(DVec3::Z * 3.0, hostile, ordinary)
-}
-
-fn subnormal_layers() -> ScenePair {
-    let [hostile, ordinary] = layers(2000, LAYER.map(|corner| corner.with_z(0.0)));
-    pair(DVec3::Z * 3.0, hostile, ordinary)
-}
-
-fn next_to_layers() -> ScenePair {
-    let [hostile, ordinary] = layers(2000, LAYER);
-    let away = DVec3::new(1e-8, 2e-8, 1e-7);
-    pair(to_f32(LAYER[0]) + away, hostile, ordinary)
-}
-
-/// 4,000 triangles with a corner at the eye, a million units from the origin.
-fn far_vertex() -> ScenePair {
-    let far = DVec3::new(-800_817.0, 281_754.0, 893_990.0);
-    let eye = far + EYE;
-    let mut random = Random::new(470);
-    // Sixteenths are represented exactly, wherever the mesh's offset is.
-    let mut sixteenths = || far + (random.in_cube() * 32.0).round() / 16.0;
-    let fan: Vec<[DVec3; 3]> = (0..4000)
-        .map(|_| [eye, sixteenths(), sixteenths()])
-        .collect();
-    let mut moved = |corner: DVec3| corner + random.in_cube() * 0.3;
-    let ordinary: Vec<[DVec3; 3]> = fan.iter().map(|corners| corners.map(&mut moved)).collect();
-    let view_of = |corners: &[[DVec3; 3]]| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (eye, far, 2.0),
-    };
-    ScenePair {
-        hostile: view_of(&fan),
-        ordinary: view_of(&ordinary),
-    }
-}
-
-/// 200 triangles about the eye, across the view, their corners a rounding or so from one plane.
-fn between_layers() -> ScenePair {
-    let eye = DVec3::new(-0.436, -2.63, 2.683);
-    let across = eye.normalize().any_orthonormal_vector();
-    let up = eye.normalize().cross(across);
-    let corners = [up - across, up + across, -up].map(|corner| eye + corner);
-    let [hostile, ordinary] = layers(200, corners);
-    pair(eye, hostile, ordinary)
-}
-
-/// 4,000 triangles around the eye, whose corners are in its plane or beside it by the least number.
-fn next_to_planes() -> ScenePair {
-    let mut random = Random::new(480);
-    let least = f64::from(f32::from_bits(1));
-    let mut corner = || {
-        let y = if random.between(-1.0, 1.0) < 0.0 {
-            0.0
-        } else {
-            least
-        };
-        (random.in_cube() * 3.0).with_y(y)
-    };
-    let hostile: Vec<[DVec3; 3]> = (0..4000).map(|_| [(); 3].map(|()| corner())).collect();
-    let mut moved = |corner: DVec3| corner + random.in_cube() * 0.3;
-    let ordinary: Vec<[DVec3; 3]> =
-        (hostile.iter().map(|corners| corners.map(&mut moved))).collect();
-    let [hostile, ordinary] = [hostile, ordinary].map(|corners| single_mesh(soup(&corners)));
-    pair(DVec3::new(1.0, 0.0, 2.0), hostile, ordinary)
-}
-
-/// A scene and one of as many ordinary triangles, seen from afar along the z axis so that rays meet z = 0 at multiples of a
-/// power of two.
-fn pair_on_grid(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
-    let target = DVec3::new(0.5, 0.5, 0.0);
-    let view_of = |corners| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (target + DVec3::Z * 16.0, target, 12.0),
-    };
-    ScenePair {
-        hostile: view_of(hostile),
-        ordinary: view_of(ordinary),
-    }
-}
-
-/// Triangles whose corners are random.
-fn triangles_on(count: usize, mut corner: impl FnMut() -> DVec3) -> Vec<[DVec3; 3]> {
-    (0..count).map(|_| [(); 3].map(|()| corner())).collect()
-}
-
-fn integer_plane() -> ScenePair {
-    let mut random = Random::new(490);
-    let whole = triangles_on(12_000, || (random.in_cube() * 8.0).round().with_z(0.0));
-    let ordinary = triangles_on(12_000, || random.in_cube() * 8.0);
-    pair_on_grid(&whole, &ordinary)
-}
-
-fn rounded_plane() -> ScenePair {
-    let mut random = Random::new(500);
-    let tilted = triangles_on(15_000, || {
-        let at = random.in_cube() * 8.0;
-        at.with_z(0.37 * at.x + 0.21 * at.y)
-    });
-    let ordinary = triangles_on(15_000, || random.in_cube() * 8.0);
-    pair_on_grid(&tilted, &ordinary)
-}
-
-fn crossing_layers() -> ScenePair {
-    let mut random = Random::new(510);
-    let least = f64::from(f32::from_bits(1));
-    let layers = triangles_on(16_000, || {
-        let at = random.in_cube() * 8.0;
-        at.with_z((at.z * 2000.0).round() * least)
-    });
-    let ordinary = triangles_on(16_000, || random.in_cube() * 8.0);
-    pair_on_grid(&layers, &ordinary)
 }

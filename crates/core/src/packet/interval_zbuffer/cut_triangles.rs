@@ -215,7 +215,13 @@ impl IntervalZBuffer {
             }
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided_on_lattice(merge.primitive, undecided, first, decisions);
+                let starting = merge.starting(near, Some(inside));
+                self.leave_undecided_on_lattice(
+                    (merge.primitive, first),
+                    undecided,
+                    &starting,
+                    decisions,
+                );
             }
             a = a + step_a;
             b = b + step_b;

@@ -9,8 +9,17 @@ use crate::num::simd::{F32x8, Lanes, Mask8};
 #[derive(Clone, Copy)]
 pub(super) struct UndecidedRays {
     pub(super) rays: u32,
-    /// The undecided rays that are surely inside the triangle.
-    pub(super) inside: u32,
+    /// The undecided rays that surely hit the triangle.
+    pub(super) hits: u32,
+}
+
+/// Eight rays that surely cross a triangle, but may start behind it.
+#[derive(Clone, Copy)]
+pub(super) struct StartingRays {
+    /// These of the eight, as bits.
+    pub(super) rays: u32,
+    /// Lower bounds of the triangle's depth keys.
+    pub(super) low: [f32; ROW],
 }
 
 /// The constants of merging a triangle, the same for every row.
@@ -40,6 +49,23 @@ impl<L: Lanes> DepthMerge<L> {
             error: lanes.splat(error),
             start_key: lanes.splat(start_key),
             never: lanes.splat(f32::NEG_INFINITY),
+        }
+    }
+
+    /// Of the rays that are surely inside a triangle of depth key `near`, or of all, those that may start behind it.
+    #[inline(always)]
+    pub(super) fn starting(&self, near: L::F32, inside: Option<L::Mask>) -> StartingRays {
+        let mut low = [0.0; ROW];
+        (near - self.error).store(&mut low);
+        let in_front = (near + self.error).lt(self.start_key).bits();
+        // Not `map_or`: its closure may be compiled without the instruction set.
+        let inside = match inside {
+            Some(inside) => inside.bits(),
+            None => ALL,
+        };
+        StartingRays {
+            rays: inside & !in_front,
+            low,
         }
     }
 
@@ -79,7 +105,7 @@ impl<L: Lanes> DepthMerge<L> {
         // triangle wins it.
         UndecidedRays {
             rays: !(wins | loses).bits() & ALL,
-            inside: hit.bits(),
+            hits: hit.bits(),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! 8 × 8 rays come first, whose extremes decide whether a cell is missed, covered or occluded (Abrash, "Rasterization
 //! on Larrabee", 2009).
 
-use super::depth_merge::{DepthMerge, UndecidedRays};
+use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
 use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit};
 use crate::hit::MISS;
@@ -267,7 +267,13 @@ impl IntervalZBuffer {
             let inside = error.lt(least);
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided_on_lattice(merge.primitive, undecided, first, decisions);
+                let starting = merge.starting(near, Some(inside));
+                self.leave_undecided_on_lattice(
+                    (merge.primitive, first),
+                    undecided,
+                    &starting,
+                    decisions,
+                );
             }
             a = a + step_a;
             b = b + step_b;
@@ -297,7 +303,13 @@ impl IntervalZBuffer {
             };
             let undecided = merge.row(lanes, near, None, low, high, primitives);
             if undecided.rays != 0 {
-                self.leave_undecided_on_lattice(merge.primitive, undecided, first, decisions);
+                let starting = merge.starting(near, None);
+                self.leave_undecided_on_lattice(
+                    (merge.primitive, first),
+                    undecided,
+                    &starting,
+                    decisions,
+                );
             }
             near = near + step;
         }
@@ -307,15 +319,41 @@ impl IntervalZBuffer {
     #[inline(never)]
     pub(super) fn leave_undecided_on_lattice(
         &mut self,
-        primitive: u32,
+        (primitive, first): (u32, usize),
         undecided: UndecidedRays,
-        first: usize,
+        starting: &StartingRays,
         decisions: &mut Decisions<'_>,
     ) {
+        let undecided = if undecided.rays & starting.rays != 0 && decisions.are_exact() {
+            self.decide_starts((primitive, first), undecided, starting, decisions)
+        } else {
+            undecided
+        };
         let (column, row) = ((first % SIDE) as f32, (first / SIDE) as f32);
         let columns = COLUMNS.map(|lane| column + lane);
         let places = (&columns, &[row; ROW]);
         self.leave_undecided(primitive, undecided, (first, places), decisions);
+    }
+
+    /// Decides which of the rays that may start behind the triangle do. The others surely hit it.
+    #[inline(never)]
+    fn decide_starts(
+        &mut self,
+        (primitive, first): (u32, usize),
+        undecided: UndecidedRays,
+        StartingRays { rays, low }: &StartingRays,
+        decisions: &mut Decisions<'_>,
+    ) -> UndecidedRays {
+        let starting = undecided.rays & rays;
+        let in_front = decisions.start_in_front(primitive, (first, starting));
+        for_each_bit(u64::from(in_front), |lane| {
+            let nearest = &mut self.low[first + lane];
+            *nearest = nearest.max(low[lane]);
+        });
+        UndecidedRays {
+            rays: undecided.rays & !starting | in_front,
+            hits: undecided.hits | in_front,
+        }
     }
 
     /// Decides, of eight rays from `first` on, at `places`, those that merging left undecided, where a ray surely hits
@@ -349,16 +387,16 @@ impl IntervalZBuffer {
             same &= rest;
             rest &= !same;
             let mut wins = 0;
-            if sure_hit != MISS && same & (undecided.inside | was_undecided) != 0 {
+            if sure_hit != MISS && same & (undecided.hits | was_undecided) != 0 {
                 // The stored bounds contain the depths of both, and so of the nearer one.
                 let order = decisions.order([sure_hit, primitive]);
                 let [loses, nearer] = order.of_eight(places);
                 let contested = &mut self.contested[cell_of(first) % (CELLS * CELLS)];
                 *contested = contested.saturating_add(1);
                 same &= !loses;
-                wins = nearer & same & undecided.inside;
+                wins = nearer & same & undecided.hits;
             } else if sure_hit == MISS {
-                wins = same & undecided.inside & was_undecided;
+                wins = same & undecided.hits;
             }
             for_each_bit(u64::from(wins & !was_undecided), |lane| {
                 self.primitives[first + lane] = primitive;

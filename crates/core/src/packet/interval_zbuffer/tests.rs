@@ -9,6 +9,7 @@ use crate::hit::{Cull, Precision};
 use crate::num::simd::Plain;
 use crate::packet::cast_tests::{build, grid, waves};
 use crate::packet::decisions::Decisions;
+use crate::packet::ray_rect::RayRect;
 use crate::packet::setup_tests::{camera, space};
 use crate::random::Random;
 use crate::triangle::clip::Clip;
@@ -38,7 +39,7 @@ fn decisions_of<'a>(accel: &'a Accel, clip: &'a Clip, precision: Precision) -> D
         up: DVec3::Y,
     };
     let camera = Camera::new(placement, Projection::Perspective, plane);
-    Decisions::new(accel, clip, &camera, precision)
+    Decisions::new(accel, clip, &camera.whole().lattice(), precision)
 }
 
 fn undecided(zbuffer: &IntervalZBuffer) -> usize {
@@ -123,7 +124,7 @@ fn intervals_that_touch_are_undecided() {
     // Intervals that touch from the front, lie in front, touch from behind, lie behind, lie within; touch the start
     // of rays from either side, and lie behind it.
     assert_eq!(undecided.rays, 0b0111_0101);
-    assert_eq!(undecided.inside, 0b0001_1111);
+    assert_eq!(undecided.hits, 0b0001_1111);
     assert_eq!(primitives, [3, 7, 3, 3, 3, 3, 3, 3]);
     assert_eq!(low, [2.0, 2.25, 1.0, 1.0, 1.25, 1.0, 1.0, 1.0]);
     assert_eq!(high, [2.5, 2.75, 2.0, 2.0, 2.0, 8.0, 8.5, 2.0]);
@@ -138,7 +139,8 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     let mut decisions = decisions_of(&accel, &clip, Precision::Exact);
     let mut random = Random(91);
     let seen_from = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.1);
-    decisions.set_rays(&space(&seen_from, DVec3::ZERO, Cull::None));
+    let packet = RayRect::all(&seen_from.whole().lattice());
+    decisions.set_rays(&space(&seen_from, DVec3::ZERO, Cull::None), &packet);
     let mut by_id: Vec<u32> = (0..accel.len() as u32).collect();
     by_id.sort_unstable_by_key(|&primitive| accel.id(primitive));
     let mut zbuffer = IntervalZBuffer::new();

@@ -114,7 +114,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 }
                 if !begun {
                     begun = true;
-                    self.decisions.set_rays(&space);
+                    self.decisions.set_rays(&space, &part);
                     zbuffer.clear_places(lanes, places);
                 }
                 let corners = self.corners(lanes, Batch::primitives(&self.batch));

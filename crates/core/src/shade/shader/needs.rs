@@ -133,7 +133,8 @@ impl Shader<'_> {
         match colors {
             EightColors::Own if needs.texture => Some(RowColors::Own),
             EightColors::Flat if needs.texture => Some(RowColors::Flat),
-            EightColors::Smooth => Some(RowColors::Smooth(needs.texture)),
+            EightColors::Smooth if needs.texture => Some(RowColors::SmoothTextured),
+            EightColors::Smooth => Some(RowColors::Smooth),
             EightColors::Normals => Some(RowColors::Normals),
             EightColors::Depth => Some(RowColors::Depth),
             EightColors::Barycentric => Some(RowColors::Barycentric),

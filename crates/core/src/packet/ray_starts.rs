@@ -1,0 +1,216 @@
+//! Where parallel rays start in the plane of a triangle, except for rounding: which of them start in front of it, decided
+//! exactly, once for all triangles of the plane.
+//!
+//! Single precision leaves every ray of every such triangle undecided, and thousands of triangles may lie in one plane.
+
+use super::params::{ROW, SIDE};
+use super::ray_rect::RayRect;
+use crate::bvh::Accel;
+use crate::camera::{Lattice, Projection};
+use crate::hit::{Cull, Precision};
+use crate::triangle::PreparedRay;
+use crate::triangle::coplanar::Coplanar;
+
+/// Planes in the cache, each 256 bytes, allocated when the first is needed. Rays start in few planes at once; with fewer,
+/// planes that alternate are decided again, with more, a triangle is compared with more planes for nothing.
+const CACHED: usize = 8;
+
+/// Rows of eight rays in a packet.
+const ROWS: usize = SIDE * SIDE / ROW;
+
+/// Which rays of a packet start in front of a plane.
+#[derive(Clone, Debug)]
+struct PlaneStarts {
+    /// A triangle of the plane.
+    primitive: u32,
+    /// For each eight rays, as bits, those that are decided.
+    decided: [u8; ROWS],
+    /// Those of them that start in front of the plane.
+    in_front: [u8; ROWS],
+}
+
+/// The starts of a packet's rays, by plane.
+#[derive(Debug)]
+pub(super) struct RayStarts {
+    /// The rays, where they are parallel. Boxed, since it is large and next to what every triangle needs.
+    lattice: Option<Box<Lattice>>,
+    /// The packet's first ray in it.
+    first: (u32, u32),
+    planes: Vec<PlaneStarts>,
+    /// The plane that the next one replaces.
+    oldest: usize,
+}
+
+impl RayStarts {
+    pub(super) fn new(lattice: &Lattice) -> Self {
+        let is_parallel = lattice.camera.projection() == Projection::Orthographic;
+        Self {
+            lattice: is_parallel.then(|| Box::new(*lattice)),
+            first: (0, 0),
+            planes: Vec::new(),
+            oldest: 0,
+        }
+    }
+
+    /// Begins a packet.
+    pub(super) fn set_rays(&mut self, packet: &RayRect) {
+        self.first = (packet.column, packet.row);
+        self.planes.clear();
+        self.oldest = 0;
+    }
+
+    /// Of eight rays from the packet's ray `first` on, those of `rays`, as bits, that start in front of a triangle. All of
+    /// `rays` must cross its plane inside it.
+    pub(super) fn in_front(
+        &mut self,
+        accel: &Accel,
+        coplanar: &mut Coplanar,
+        primitive: u32,
+        (first, rays): (usize, u32),
+    ) -> u32 {
+        let Some(lattice) = &self.lattice else {
+            return rays;
+        };
+        let corners = |primitive: u32| accel.corners(primitive);
+        let mut planes = self.planes.iter();
+        let known = planes.position(|plane| coplanar.are(plane.primitive, primitive, corners));
+        let plane = known.unwrap_or_else(|| {
+            let plane = PlaneStarts {
+                primitive,
+                decided: [0; ROWS],
+                in_front: [0; ROWS],
+            };
+            let at = self.oldest;
+            match self.planes.get_mut(at) {
+                Some(replaced) => *replaced = plane,
+                None => self.planes.push(plane),
+            }
+            self.oldest = (at + 1) % CACHED;
+            at
+        });
+        let plane = &mut self.planes[plane];
+        let undecided = rays & !eight(&plane.decided, first);
+        for lane in (0..ROW).filter(|lane| undecided >> lane & 1 != 0) {
+            let ray = first + lane;
+            let (byte, bit) = (ray / ROW % ROWS, 1 << (ray % ROW));
+            plane.decided[byte] |= bit;
+            let (column, row) = ((ray % SIDE) as u32, (ray / SIDE) as u32);
+            let ray = lattice.ray(self.first.0 + column, self.first.1 + row);
+            let ray = PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact);
+            if ray.is_some_and(|ray| !ray.evaluate(primitive, corners(primitive)).is_miss()) {
+                plane.in_front[byte] |= bit;
+            }
+        }
+        rays & eight(&plane.in_front, first)
+    }
+}
+
+/// The bits of eight rays from any one on.
+fn eight(bits: &[u8; ROWS], first: usize) -> u32 {
+    let byte = |at: usize| u32::from(bits[at % ROWS]);
+    (byte(first / ROW) | byte(first / ROW + 1) << ROW) >> (first % ROW) & 0xff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, Placement};
+    use crate::hit::MISS;
+    use crate::packet::around_tests::accel;
+    use crate::random::Random;
+    use glam::DVec3;
+
+    /// A camera with 70 × 40 parallel rays that starts in the plane z = 2x − 3y and looks along its normal, and
+    /// triangles of this plane: around all rays, or with random corners.
+    fn rays_in_a_plane(extra: usize) -> (Lattice, Vec<[DVec3; 3]>) {
+        let mut random = Random(94);
+        let placement = Placement {
+            eye: DVec3::new(0.5, 0.5, -0.5),
+            target: DVec3::new(2.5, -2.5, -1.5),
+            up: DVec3::Y,
+        };
+        let plane = ImagePlane::new(70, 40, 0.25).expect("a good plane");
+        let lattice = Camera::new(placement, Projection::Orthographic, plane)
+            .whole()
+            .lattice();
+        let in_plane = |x: f64, y: f64| DVec3::new(x, y, 2.0 * x - 3.0 * y);
+        let large = [
+            in_plane(-200.0, -200.0),
+            in_plane(200.0, -200.0),
+            in_plane(0.0, 300.0),
+        ];
+        let mut whole = || (random.signed() * 8.0).round();
+        let mut corner = || in_plane(whole(), whole());
+        let triangles = (0..extra).map(|_| [corner(), corner(), corner()]);
+        let triangles = std::iter::once(large).chain(triangles).collect();
+        (lattice, triangles)
+    }
+
+    /// Ten parallel planes, so that they evict one another: only in the first do rays start on either side. The truth is
+    /// brute force.
+    #[test]
+    fn rays_that_start_in_front_of_planes_are_told_from_others() {
+        let (lattice, triangles) = rays_in_a_plane(0);
+        let moved = |k: usize| triangles[0].map(|corner| corner + DVec3::Z * (k as f64 / 64.0));
+        let planes = (0..CACHED + 2).map(|k| match k % 2 {
+            0 => moved(k),
+            _ => moved(0).map(|corner| corner - DVec3::Z * (k as f64 / 64.0)),
+        });
+        let planes: Vec<[DVec3; 3]> = planes.collect();
+        let alone: Vec<Accel> = planes.iter().map(|&corners| accel(vec![corners])).collect();
+        let all = accel(planes);
+        let (mut starts, mut coplanar) = (RayStarts::new(&lattice), Coplanar::new());
+        let (mut both, mut random) = ([0; 2], Random(95));
+        for (column, row) in [(0, 0), (32, 0), (32, 8)] {
+            starts.set_rays(&RayRect {
+                column,
+                row,
+                columns: 32,
+                rows: 32,
+            });
+            for _ in 0..2000 {
+                let primitive = (random.unit() * 10.0) as u32;
+                let alone = &alone[all.id(primitive) as usize];
+                // Eight rays from any column on.
+                let first =
+                    (random.unit() * 31.0) as usize * SIDE + (random.unit() * 25.0) as usize;
+                let asked = (random.unit() * 256.0) as u32;
+                let found = starts.in_front(&all, &mut coplanar, primitive, (first, asked));
+                for lane in (0..ROW).filter(|lane| asked >> lane & 1 != 0) {
+                    let ray = first + lane;
+                    let at = (column + (ray % SIDE) as u32, row + (ray / SIDE) as u32);
+                    let truth = alone.cast_brute_force(&lattice.ray(at.0, at.1), Cull::None);
+                    assert_eq!(
+                        found >> lane & 1 != 0,
+                        truth.is_some(),
+                        "{at:?} {primitive}"
+                    );
+                    if all.id(primitive) == 0 {
+                        both[usize::from(truth.is_some())] += 1;
+                    }
+                }
+                assert_eq!(found & !asked, 0);
+            }
+        }
+        assert!(both[0] > 1000 && both[1] > 1000, "{both:?}");
+    }
+
+    /// Of hundreds of triangles that the rays start in except for rounding, the packets find what single rays do, and few
+    /// rays are left to those.
+    #[test]
+    fn rays_that_start_in_many_triangles_find_the_nearest() {
+        let (lattice, triangles) = rays_in_a_plane(600);
+        let accel = accel(triangles);
+        let mut primitives = Vec::new();
+        let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+        let mut found = 0;
+        for (at, &primitive) in primitives.iter().enumerate() {
+            let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);
+            let truth = accel.cast_primitive(&ray, Cull::None, Precision::Exact);
+            assert_eq!(primitive, truth.primitive, "{at}");
+            found += usize::from(primitive != MISS);
+        }
+        assert!(found > 500 && found < lattice.len() - 500, "{found}");
+        assert!(counts.double_rays + counts.exact_rays < 500, "{counts:?}");
+    }
+}
