@@ -1,3 +1,4 @@
+use crate::num::double_double::DoubleDouble;
 use glam::DVec3;
 
 /// A half-line, or a piece of one, in world space: the points `origin + t · direction` with `t_min < t ≤ t_max`.
@@ -44,10 +45,12 @@ impl Ray {
 }
 
 /// The origin of rays relative to `frame`, the point that corners are relative to: rounded, and a bound on the error
-/// of each coordinate (half a unit in the last place of the greatest). The error is zero where `frame` is zero.
+/// of each coordinate (half a unit in the last place of the greatest), zero where the difference is exact.
 pub(crate) fn relative_origin(origin: DVec3, frame: DVec3) -> (DVec3, f64) {
     let relative = origin - frame;
-    let error = if frame == DVec3::ZERO {
+    let is_exact = frame == DVec3::ZERO
+        || (0..3).all(|axis| DoubleDouble::difference(origin[axis], frame[axis]).low == 0.0);
+    let error = if is_exact {
         0.0
     } else {
         relative.abs().max_element() * (f64::EPSILON / 2.0)
@@ -76,5 +79,7 @@ mod tests {
         }
         assert!(most > 0.5, "{most}");
         assert_eq!(relative_origin(DVec3::ONE, DVec3::ZERO), (DVec3::ONE, 0.0));
+        let exact = relative_origin(DVec3::splat(0.75), DVec3::splat(1e3));
+        assert_eq!(exact, (DVec3::splat(-999.25), 0.0));
     }
 }

@@ -37,6 +37,7 @@
 use super::setup::{CornerLanes, LINEAR_ERROR, Linear, PacketSpace, REACH, Span, TriangleSetup};
 use crate::hit::Cull;
 use crate::num::simd::{LANES, Lanes, Work};
+use crate::triangle::exact::{cross_from, distance_of_eye};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// The unit roundoff of double precision.
@@ -44,6 +45,11 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
 const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed exactly:
+/// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed exactly that leave few
+/// rays undecided; with a greater one all rays of such an edge are.
+const COARSE: f64 = 1.0 / (1 << 12) as f64;
 
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
 #[derive(Clone, Copy)]
@@ -190,19 +196,23 @@ impl PacketSpace {
         else {
             return;
         };
-        let (key, facing, numerator_error) = self.depth_function(relative, &normal, &edges);
+        let corners = [a, b, c].map(DVec3::as_vec3);
+        let (key, facing, numerator_error) =
+            self.depth_function(corners, relative, &normal, &edges);
         let clear = is_clear(facing);
         let (facing, facing_error) = facing;
         if clear & (self.cull == Cull::Back) & (facing > 0.0) {
             out.boxes[l].right = -1;
             return;
         }
+        let [a, b, c] = corners;
+        let ends = [[b, c], [c, a], [a, b]];
         let span = Span::of(&out.boxes[l]);
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
         let mut greatest_error: f64 = 0.0;
         let mut is_sound = true;
         for (edge, &(from, to, u)) in edges.iter().enumerate() {
-            let (function, error) = self.edge_function(&Bounded::cross(from, to, u), u);
+            let (function, error) = self.edge(ends[edge], (from, to, u));
             let function = function.moved(&span);
             let magnitude = function.size(&span);
             let unit = sign / magnitude;
@@ -218,9 +228,15 @@ impl PacketSpace {
                 return;
             }
             let error = (error + LINEAR_ERROR) * 1.001;
-            is_sound &= (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
-            greatest_error = greatest_error.max(error);
             out.edge_scales[edge][l] = magnitude;
+            let edge_is_sound = (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
+            if !edge_is_sound {
+                // The other two may still have different signs.
+                is_sound = false;
+                out.edges[edge].iter_mut().for_each(|term| term[l] = 0.0);
+                continue;
+            }
+            greatest_error = greatest_error.max(error);
             out.edges[edge][0][l] = constant as f32;
             out.edges[edge][1][l] = x as f32;
             out.edges[edge][2][l] = y as f32;
@@ -244,8 +260,9 @@ impl PacketSpace {
         out.depth_key[1][l] = key.x as f32;
         out.depth_key[2][l] = key.y as f32;
         out.depth_key_error[l] = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
-        is_sound &= (key_error < f64::from(f32::MAX)) & (spread < f64::from(f32::MAX));
-        out.ill_conditioned[l] = !(clear & is_sound);
+        let is_in_range = (key_error < f64::from(f32::MAX)) & (spread < f64::from(f32::MAX));
+        out.ill_conditioned[l] = !(clear & is_sound & is_in_range);
+        out.overflows |= clear & is_sound & !is_in_range;
     }
 
     /// A triangle's edge functions over the whole packet, positive inside, each with the bound on its error. `None`
@@ -257,13 +274,19 @@ impl PacketSpace {
             normal,
             edges,
         } = &factors;
-        let (_, facing, _) = self.depth_function(*relative, normal, edges);
+        let (_, facing, _) = self.depth_function(corners, *relative, normal, edges);
         is_clear(facing).then(|| {
-            edges.map(|(from, to, u)| {
-                let cross = Bounded::cross(from, to, u);
-                let (function, error) = self.edge_function(&cross, u);
+            let [a, b, c] = corners;
+            let [[e, from_e], [f, from_f], [g, from_g]] = [[b, c], [c, a], [a, b]];
+            let edge = |ends, factors| {
+                let (function, error) = self.edge(ends, factors);
                 (function.times(facing.0.signum()), error)
-            })
+            };
+            [
+                edge([e, from_e], edges[0]),
+                edge([f, from_f], edges[1]),
+                edge([g, from_g], edges[2]),
+            ]
         })
     }
 
@@ -272,6 +295,23 @@ impl PacketSpace {
     fn reach(&self) -> DVec3 {
         let [a, b] = self.rays.steps;
         (a.abs() + b.abs()) * REACH
+    }
+
+    /// The edge function between two corners, given with their [`Factors`], and a bound on its error.
+    #[inline(always)]
+    fn edge(&self, corners: [Vec3; 2], (from, to, u): (DVec3, DVec3, DVec3)) -> (Linear, f64) {
+        let (function, error) = self.edge_function(&Bounded::cross(from, to, u), u);
+        // NaN is computed again.
+        let is_accurate = error <= COARSE * function.reach();
+        if is_accurate || !self.perspective || self.origin_error != 0.0 {
+            return (function, error);
+        }
+        let value = cross_from(self.origin, corners);
+        let exact = Bounded {
+            value,
+            error: value.abs() * (12.0 * EPSILON),
+        };
+        self.edge_function(&exact, u)
     }
 
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two
@@ -313,6 +353,7 @@ impl PacketSpace {
     #[inline(always)]
     fn depth_function(
         &self,
+        corners: [Vec3; 3],
         [p, q, r]: [DVec3; 3],
         normal: &Bounded,
         edges: &[(DVec3, DVec3, DVec3); 3],
@@ -330,6 +371,11 @@ impl PacketSpace {
                     let across = Bounded::cross(from, to, u).moved(u, origin_error);
                     product = better(product, across.dot(corner, origin_error));
                 }
+            }
+            if !is_clear(product) && origin_error == 0.0 {
+                // Planes that pass the eye more closely than roundings, with no corner next to it.
+                let exact = distance_of_eye(self.origin, corners);
+                product = (exact, 4.0 * EPSILON * exact.abs());
             }
             let key = Linear {
                 constant: d.dot(n),

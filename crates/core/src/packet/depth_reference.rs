@@ -7,7 +7,7 @@
 //! reference: subtracting a constant from two keys keeps their order.
 //!
 //! Its exponent has eight bits. The inverse depths of triangles that pass the eye at 10⁻⁴⁰ overflow it, so near such
-//! triangles depths are measured in a [unit](UNIT) that is many times shorter.
+//! triangles depths are measured in a unit that is many times shorter ([`FURTHEST_KEY`]).
 
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
@@ -21,14 +21,11 @@ use glam::DVec3;
 /// triangle.
 const THIN: f64 = 1.0 / (1 << 14) as f64;
 
-/// Of the units of depth to one of the scene's, where boxes begin or end at less than [`CLOSE`] from the eye: 2⁶⁴. The
-/// keys of depths from 2⁻¹⁸⁰ to 2⁶² are then in range. With a greater factor those of far triangles would underflow, and
-/// leave their order to exact arithmetic; with a lesser one those of near triangles overflow, and leave theirs.
-const UNIT: f64 = (1u128 << 64) as f64;
-
-/// Below it numbers of single precision are seldom anything but the rounding of zero. A greater limit would take range from
-/// far triangles for nothing.
-const CLOSE: f64 = 1.0 / UNIT;
+/// The exponent of the keys of the furthest triangles in the unit for those that pass the eye closely: 24 bits above the least normal number, so
+/// that they keep their digits. All other numbers up to 2¹²⁸ are for nearer ones: planes that pass the eye at 2⁻¹⁴⁹ and lie
+/// along the view have inverse depths of 2²⁰⁰. With a greater exponent those overflow; with a lesser one far triangles
+/// lose their order, and leave it to exact arithmetic.
+const FURTHEST_KEY: i32 = -102;
 
 /// The factor by which a box must begin beyond hi-z to be skipped. The reciprocal of hi-z and the box's distance are
 /// each rounded a few times by 2⁻²⁴, below 10⁻⁶ together. With a greater factor packets visit boxes that are
@@ -43,7 +40,7 @@ const LEAST: f32 = 1e-30;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DepthReference {
     key: f32,
-    /// Units of depth to one of the scene's: one, or [`UNIT`].
+    /// Units of depth to one of the scene's: one, or more where triangles pass the eye closely.
     units: f64,
     /// [`BEYOND`] in the scene's units.
     beyond: f32,
@@ -60,28 +57,8 @@ impl DepthReference {
     /// The reference for triangles within boxes; boxes and `eye` are relative to the same point. Any number is
     /// correct: only accuracy depends on it.
     pub(super) fn of(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
-        let forward = camera.forward();
-        let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut is_close = false;
-        for bounds in boxes {
-            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-            for from_eye in [(min - eye).abs(), (max - eye).abs()] {
-                let is_beside = from_eye.cmpgt(DVec3::ZERO) & from_eye.cmplt(DVec3::splat(CLOSE));
-                is_close |= is_beside.any();
-            }
-            let middle = ((min + max) * 0.5 - eye).dot(forward);
-            let half = ((max - min) * 0.5).dot(forward.abs());
-            near = near.min(middle - half);
-            far = far.max(middle + half);
-        }
+        let (near, far) = depths(boxes, camera, eye);
         let middle = (near + far) * 0.5;
-        if is_close && camera.projection() != Projection::Orthographic {
-            return Self {
-                units: UNIT,
-                beyond: BEYOND / UNIT as f32,
-                ..Self::NONE
-            };
-        }
         // NaN has no reference either.
         if !(near > 0.0 && far - near < THIN * middle) {
             return Self::NONE;
@@ -94,6 +71,23 @@ impl DepthReference {
             key: if key.is_normal() { key } else { 0.0 },
             ..Self::NONE
         }
+    }
+
+    /// The unit for triangles that pass the eye so closely that their keys overflow single precision, with others within
+    /// boxes.
+    pub(super) fn close(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
+        let units = units_for(depths(boxes, camera, eye).1);
+        Self {
+            units,
+            beyond: BEYOND / units as f32,
+            ..Self::NONE
+        }
+    }
+
+    /// Whether the unit of depth is the scene's.
+    #[inline(always)]
+    pub(super) fn is_in_scene_units(self) -> bool {
+        self.units == 1.0
     }
 
     /// Whether keys are absolute.
@@ -152,6 +146,29 @@ impl DepthReference {
             _ => f32::INFINITY,
         }
     }
+}
+
+/// The least and the greatest depth within boxes, which are relative to the same point as the eye.
+fn depths(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> (f64, f64) {
+    let forward = camera.forward();
+    let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+    for bounds in boxes {
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let middle = ((min + max) * 0.5 - eye).dot(forward);
+        let half = ((max - min) * 0.5).dot(forward.abs());
+        near = near.min(middle - half);
+        far = far.max(middle + half);
+    }
+    (near, far)
+}
+
+/// Units of depth to one of the scene's, by which the keys of triangles at `far` are about 2^[`FURTHEST_KEY`].
+fn units_for(far: f64) -> f64 {
+    // Zero and what is behind the eye have the least exponent.
+    let exponent = (far.max(0.0).to_bits() >> 52) as i32 - 1023;
+    // Of numbers beyond 2¹²⁶ single precision does not hold the reciprocal.
+    let power = (-FURTHEST_KEY - exponent).clamp(0, 126);
+    f64::from_bits(((1023 + power) as u64) << 52)
 }
 
 #[cfg(test)]
@@ -222,9 +239,10 @@ mod tests {
     /// With the ordinary and with the short unit of depth.
     #[test]
     fn boxes_at_subnormal_depths_are_not_occluded() {
-        let eye = DVec3::new(0.0, 0.0, 1e-40);
-        let close = reference(1e-45, eye, Projection::Perspective);
-        assert_eq!(close.units(), UNIT);
+        let close = DepthReference {
+            units: units_for(1e-45),
+            ..DepthReference::NONE
+        };
         for reference in [close, DepthReference::NONE] {
             for near in [f32::from_bits(1), 1e-40, 1e-31] {
                 let key = reference.key_of_box(Projection::Perspective, near);
@@ -232,6 +250,25 @@ mod tests {
                 assert!(reference.furthest(Projection::Perspective, f32::MAX) >= near);
             }
         }
+    }
+
+    #[test]
+    fn keys_of_far_triangles_are_normal_numbers_in_any_unit() {
+        for exponent in -140..100 {
+            let far = crate::math::pow(2.0, f64::from(exponent)) * 1.5;
+            let units = units_for(far);
+            let key = (1.0 / (far * units)) as f32;
+            assert!(key.is_normal() && (1.0 / units as f32).is_normal(), "{far}");
+            let is_limited = !(FURTHEST_KEY + 126..=-FURTHEST_KEY).contains(&exponent);
+            assert!(
+                is_limited || key <= crate::math::pow(2.0, -102.0) as f32,
+                "{far}"
+            );
+        }
+        for far in [0.0, -1.0, f64::NEG_INFINITY] {
+            assert_eq!(units_for(far), (1u128 << 126) as f64);
+        }
+        assert_eq!(units_for(1.0), (1u128 << 102) as f64);
     }
 
     #[test]

@@ -63,6 +63,8 @@ pub(crate) struct IntervalZBuffer {
     rivals: Rivals,
     /// For each cell, triangles that its rays surely hit.
     sure_hits: SureHits,
+    /// Whether depth keys overflowed that a shorter unit of depth would hold.
+    overflowed: bool,
     /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
     start_key: f32,
 }
@@ -78,6 +80,7 @@ impl IntervalZBuffer {
             contested: [0; CELLS * CELLS],
             rivals: Rivals::default(),
             sure_hits: SureHits::default(),
+            overflowed: false,
             start_key: f32::INFINITY,
         }
     }
@@ -94,6 +97,7 @@ impl IntervalZBuffer {
         self.contested = [0; CELLS * CELLS];
         self.rivals.clear();
         self.sure_hits.clear();
+        self.overflowed = false;
         self.start_key = start_key;
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
@@ -113,6 +117,12 @@ impl IntervalZBuffer {
     pub(crate) fn row(&self, row: u32) -> &[u32] {
         let first = row as usize * SIDE;
         &self.primitives[first..first + SIDE]
+    }
+
+    /// Whether depth keys overflowed, since it was cleared, that a shorter unit of depth would hold.
+    #[inline(always)]
+    pub(crate) fn has_overflowed(&self) -> bool {
+        self.overflowed
     }
 
     /// Sorts rivals as [`IntervalZBuffer::rivals`] needs them.

@@ -45,6 +45,8 @@ mod cast;
 mod cast_tests;
 #[cfg(test)]
 mod clip_tests;
+#[cfg(test)]
+mod close_planes_tests;
 mod componentwise_setup;
 mod counts;
 mod decisions;

@@ -55,12 +55,26 @@ type Edges = Option<[(Linear, f64); 3]>;
 /// A triangle's plane as the rays of a packet cross it. For a perspective packet they go from the eye to the plane, as
 /// hits lie in front of the eye.
 fn turned(space: &PacketSpace, corners: [Vec3; 3]) -> TurnedPlane {
-    let plane = Plane::new(corners);
-    if space.perspective {
-        plane.turned_from(space.origin, space.origin_error)
-    } else {
-        plane.turned_along(space.rays.direction, 0.0)
+    if !space.perspective {
+        return Plane::new(corners).turned_along(space.rays.direction, 0.0);
     }
+    // From the corner next to the eye: from others the distance of a plane that all but holds the eye cancels.
+    let [a, b, c] = corners;
+    let [to_a, to_b, to_c] =
+        corners.map(|corner| (corner.as_dvec3() - space.origin).length_squared());
+    let from_nearest = if to_a <= to_b && to_a <= to_c {
+        [a, b, c]
+    } else if to_b <= to_c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    };
+    let plane = Plane::new(from_nearest);
+    let turned = plane.turned_from(space.origin, space.origin_error);
+    if turned.is_none() && space.origin_error == 0.0 {
+        return plane.turned_exactly_from(space.origin, from_nearest);
+    }
+    turned
 }
 
 /// The order of two triangles along the rays of a packet.
@@ -109,7 +123,14 @@ impl PlaneOrder {
         let Some(plane) = plane else {
             return in_plane().unwrap_or(Self::UNKNOWN);
         };
-        let distances = second.map(|corner| plane.distance(corner));
+        // Exactly zero for a corner that both have, of which the bound would leave nothing sure where the hits are next to it.
+        let of_corners = |distance: &dyn Fn(Vec3) -> (f64, f64)| {
+            second.map(|corner| match first.contains(&corner) {
+                true => (0.0, 0.0),
+                false => distance(corner),
+            })
+        };
+        let distances = of_corners(&|corner| plane.distance(corner));
         let order = Self::by_distances(distances, in_double);
         if order.uncertainty() <= ACCURATE {
             return order;
@@ -119,8 +140,7 @@ impl PlaneOrder {
         if may_lie_in_plane && let Some(order) = in_plane() {
             return order;
         }
-        let distance = |corner| plane.distance_in_double_double(first, corner);
-        let distances = second.map(distance);
+        let distances = of_corners(&|corner| plane.distance_in_double_double(first, corner));
         let closer = Self::by_distances(distances, in_double);
         if closer.uncertainty() <= ACCURATE {
             return closer;

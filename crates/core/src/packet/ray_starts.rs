@@ -8,10 +8,13 @@ use super::ray_rect::RayRect;
 use crate::bvh::Accel;
 use crate::camera::{Lattice, Projection};
 use crate::hit::{Cull, Precision};
+use crate::ray::{Ray, relative_origin};
 use crate::triangle::PreparedRay;
 use crate::triangle::coplanar::Coplanar;
+use crate::triangle::plane::{LEAST, Plane};
+use glam::DVec3;
 
-/// Planes in the cache, each 256 bytes, allocated when the first is needed. Rays start in few planes at once; with fewer,
+/// Planes in the cache, each some 400 bytes, allocated when the first is needed. Rays start in few planes at once; with fewer,
 /// planes that alternate are decided again, with more, a triangle is compared with more planes for nothing.
 const CACHED: usize = 8;
 
@@ -23,6 +26,10 @@ const ROWS: usize = SIDE * SIDE / ROW;
 struct PlaneStarts {
     /// A triangle of the plane.
     primitive: u32,
+    /// The one that was last found to lie in it.
+    last: u32,
+    /// Turned to the side that rays go to; `None` where that is not sure.
+    plane: Option<Plane>,
     /// For each eight rays, as bits, those that are decided.
     decided: [u8; ROWS],
     /// Those of them that start in front of the plane.
@@ -72,11 +79,18 @@ impl RayStarts {
             return rays;
         };
         let corners = |primitive: u32| accel.corners(primitive);
+        // A triangle's rows come one after another.
         let mut planes = self.planes.iter();
-        let known = planes.position(|plane| coplanar.are(plane.primitive, primitive, corners));
+        let same = planes.position(|plane| plane.last == primitive);
+        let known = same.or_else(|| {
+            let mut planes = self.planes.iter();
+            planes.position(|plane| coplanar.are(plane.primitive, primitive, corners))
+        });
         let plane = known.unwrap_or_else(|| {
             let plane = PlaneStarts {
                 primitive,
+                last: primitive,
+                plane: Plane::new(corners(primitive)).turned_along(lattice.camera.forward(), 0.0),
                 decided: [0; ROWS],
                 in_front: [0; ROWS],
             };
@@ -89,6 +103,7 @@ impl RayStarts {
             at
         });
         let plane = &mut self.planes[plane];
+        plane.last = primitive;
         let undecided = rays & !eight(&plane.decided, first);
         for lane in (0..ROW).filter(|lane| undecided >> lane & 1 != 0) {
             let ray = first + lane;
@@ -96,13 +111,27 @@ impl RayStarts {
             plane.decided[byte] |= bit;
             let (column, row) = ((ray % SIDE) as u32, (ray / SIDE) as u32);
             let ray = lattice.ray(self.first.0 + column, self.first.1 + row);
-            let ray = PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact);
-            if ray.is_some_and(|ray| !ray.evaluate(primitive, corners(primitive)).is_miss()) {
+            let sure = plane
+                .plane
+                .and_then(|plane| starts_before(&plane, &ray, accel.origin));
+            let is_in_front = sure.unwrap_or_else(|| {
+                let ray = PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact);
+                ray.is_some_and(|ray| !ray.evaluate(primitive, corners(primitive)).is_miss())
+            });
+            if is_in_front {
                 plane.in_front[byte] |= bit;
             }
         }
         rays & eight(&plane.in_front, first)
     }
+}
+
+/// Whether a ray that goes to the side that a plane's normal points to starts on the other side of it; `None` where that is
+/// not sure in double precision.
+fn starts_before(plane: &Plane, ray: &Ray, tree_origin: DVec3) -> Option<bool> {
+    let (origin, error) = relative_origin(ray.origin, tree_origin);
+    let (distance, error) = plane.distance_of_origin(origin, error);
+    (distance.abs() > error + LEAST).then_some(distance < 0.0)
 }
 
 /// The bits of eight rays from any one on.
@@ -118,7 +147,6 @@ mod tests {
     use crate::hit::MISS;
     use crate::packet::around_tests::accel;
     use crate::random::Random;
-    use glam::DVec3;
 
     /// A camera with 70 × 40 parallel rays that starts in the plane z = 2x − 3y and looks along its normal, and
     /// triangles of this plane: around all rays, or with random corners.

@@ -109,6 +109,8 @@ pub(crate) struct TriangleSetup {
     pub(crate) boxes: [RayBox; LANES],
     /// Edge-on or ill-conditioned: it is undecided which side faces the eye.
     pub(crate) ill_conditioned: [bool; LANES],
+    /// Whether a depth key overflows single precision although the triangle is not ill-conditioned otherwise.
+    pub(crate) overflows: bool,
     /// Where componentwise bounds decide more: errors of double precision exceed 1.5 times those of single precision,
     /// or edge functions are [`UNBALANCED`].
     pub(crate) is_rough: [bool; LANES],
@@ -159,6 +161,7 @@ impl PacketSpace {
             row: [0; LANES],
             boxes: *boxes,
             ill_conditioned: [false; LANES],
+            overflows: false,
             is_rough: [false; LANES],
         };
         for l in 0..LANES {

@@ -22,7 +22,7 @@ use super::ray_rect::RayRect;
 use super::setup::{CornerLanes, PacketSpace};
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, Subtree};
-use crate::camera::{Lattice, Projection};
+use crate::camera::{Camera, Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::ray::relative_origin;
@@ -207,59 +207,64 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) -> bool {
-        let space = self.space(packet, cull);
-        let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
-        let projector = Projector::new(&space, nearest);
-        let mut descent = Descent::new(self.frustum(packet), SmallBoxes::new(self.lattice));
-        let mut projected = ProjectedTriangles::NONE;
-        let mut begun = false;
-        loop {
-            let mut covered = 0;
-            while self.queued.len < LANES {
-                if projected.seen != 0 {
-                    let lane = projected.seen.trailing_zeros() as usize & (LANES - 1);
-                    match self.test_projected(lanes, &projected, lane, zbuffer, observer) {
-                        Outcome::Occluded => {}
-                        Outcome::Merged => descent.merged_small = true,
-                        Outcome::Queued(rays) => covered += rays,
-                        Outcome::NoRoom => break,
+        'packet: loop {
+            let space = self.space(packet, cull);
+            let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
+            let projector = Projector::new(&space, nearest);
+            let mut descent = Descent::new(self.frustum(packet), SmallBoxes::new(self.lattice));
+            let mut projected = ProjectedTriangles::NONE;
+            let mut begun = false;
+            loop {
+                let mut covered = 0;
+                while self.queued.len < LANES {
+                    if projected.seen != 0 {
+                        let lane = projected.seen.trailing_zeros() as usize & (LANES - 1);
+                        match self.test_projected(lanes, &projected, lane, zbuffer, observer) {
+                            Outcome::Occluded => {}
+                            Outcome::Merged => descent.merged_small = true,
+                            Outcome::Queued(rays) => covered += rays,
+                            Outcome::NoRoom => break,
+                        }
+                        projected.seen &= projected.seen - 1;
+                        continue;
                     }
-                    projected.seen &= projected.seen - 1;
-                    continue;
+                    if covered >= MANY_RAYS {
+                        break;
+                    }
+                    self.fill_batch(lanes, &mut descent, packet, zbuffer, observer);
+                    if self.batch.len == 0 {
+                        break;
+                    }
+                    if !self.clip.is_empty() && !self.clip_batch() {
+                        continue;
+                    }
+                    if !begun {
+                        begun = true;
+                        self.decisions.set_rays(&space, packet);
+                        zbuffer.clear(lanes, packet.columns, packet.rows, self.start_key());
+                    }
+                    let corners = self.corners(lanes, self.batch.primitives());
+                    projector.project(lanes, &corners, self.batch.len, &mut projected);
+                    if !self.reference.is_zero() {
+                        projected.relate_to(self.reference);
+                    }
                 }
-                if covered >= MANY_RAYS {
-                    break;
+                if self.queued.len == 0 {
+                    return begun;
                 }
-                self.fill_batch(lanes, &mut descent, packet, zbuffer, observer);
-                if self.batch.len == 0 {
-                    break;
+                let corners = self.corners(lanes, self.queued.primitives());
+                let primitives = &self.queued.primitives[..self.queued.len];
+                let decisions = &mut self.decisions;
+                zbuffer.rasterize(lanes, &space, &corners, &self.boxes, primitives, decisions);
+                self.counts.triangles += primitives.len() as u64;
+                observer.set_up(primitives);
+                self.queued.len = 0;
+                if zbuffer.has_overflowed() && self.shorten_unit(&self.lattice.camera) {
+                    continue 'packet;
                 }
-                if !self.clip.is_empty() && !self.clip_batch() {
-                    continue;
-                }
-                if !begun {
-                    begun = true;
-                    self.decisions.set_rays(&space, packet);
-                    zbuffer.clear(lanes, packet.columns, packet.rows, self.start_key());
-                }
-                let corners = self.corners(lanes, self.batch.primitives());
-                projector.project(lanes, &corners, self.batch.len, &mut projected);
-                if !self.reference.is_zero() {
-                    projected.relate_to(self.reference);
-                }
+                descent.merged_small = false;
+                descent.limits = self.limits(lanes, zbuffer);
             }
-            if self.queued.len == 0 {
-                return begun;
-            }
-            let corners = self.corners(lanes, self.queued.primitives());
-            let primitives = &self.queued.primitives[..self.queued.len];
-            let decisions = &mut self.decisions;
-            zbuffer.rasterize(lanes, &space, &corners, &self.boxes, primitives, decisions);
-            self.counts.triangles += primitives.len() as u64;
-            observer.set_up(primitives);
-            self.queued.len = 0;
-            descent.merged_small = false;
-            descent.limits = self.limits(lanes, zbuffer);
         }
     }
 
@@ -494,6 +499,19 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             // Orthographic rays start at the image plane, where the negated depth is zero.
             Projection::Orthographic => 0.0 - self.reference.key(),
         }
+    }
+
+    /// Measures depths in the unit for triangles that pass the eye closely, as those do whose keys have overflowed; `view`
+    /// is the packet's. False where it is used already, or would not help.
+    #[inline(never)]
+    fn shorten_unit(&mut self, view: &Camera) -> bool {
+        let is_useful = self.reference.is_in_scene_units()
+            && self.lattice.camera.projection() != Projection::Orthographic;
+        if is_useful {
+            let boxes = self.entry_points.iter().map(|entry| entry.1);
+            self.reference = DepthReference::close(boxes, view, self.eye);
+        }
+        is_useful
     }
 
     /// How far boxes may begin without being occluded.

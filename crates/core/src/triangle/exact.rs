@@ -134,12 +134,50 @@ pub(crate) fn plane_is_parallel(direction: DVec3, corners: [Vec3; 3]) -> bool {
 /// 2^(L+1), their cross products below 2^(2L+3), and the determinant below 2^(3L+6).
 const I128_BITS: u32 = 40;
 
-/// Whether a point lies in the plane of a triangle: det(b − a, c − a, p − a) is zero.
+/// det(b − a, c − a, p − a), which is zero where p lies in the plane of a, b and c.
+fn plane_determinant<I: Integer>(points: [DVec3; 4], lengths: Scale) -> I {
+    let [a, b, c, p] = points.map(|point| lengths.vector::<I>(point));
+    let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
+    dot(&subtract(&p, &a), &normal)
+}
+
+/// The distance of an eye from the plane of a triangle times the normal's length, positive where the normal points away from
+/// the eye, rounded to within a unit in the last place; zero only where the plane holds the eye.
+pub(crate) fn distance_of_eye(eye: DVec3, corners: [Vec3; 3]) -> f64 {
+    fn of<I: Integer>(points: [DVec3; 4], lengths: Scale) -> f64 {
+        let determinant = plane_determinant::<I>(points, lengths);
+        -ratio(&determinant, &I::shifted(1, 0), 3 * lengths.exponent)
+    }
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let points = [a, b, c, eye];
+    let lengths = Scale::of_vectors(&points);
+    if lengths.bits <= I128_BITS {
+        return of::<i128>(points, lengths);
+    }
+    sized!(lengths, Scale::of([]), of(points, lengths))
+}
+
+/// The cross product of two corners relative to an eye, each component rounded to within a unit in the last place.
+pub(crate) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
+    fn of<I: Integer>(points: [DVec3; 3], lengths: Scale) -> DVec3 {
+        let [p, q, eye] = points.map(|point| lengths.vector::<I>(point));
+        let product = cross(&subtract(&p, &eye), &subtract(&q, &eye));
+        let one = I::shifted(1, 0);
+        DVec3::from_array(product.map(|x| ratio(&x, &one, 2 * lengths.exponent)))
+    }
+    let [p, q] = corners.map(Vec3::as_dvec3);
+    let points = [p, q, eye];
+    let lengths = Scale::of_vectors(&points);
+    if lengths.bits <= I128_BITS {
+        return of::<i128>(points, lengths);
+    }
+    sized!(lengths, Scale::of([]), of(points, lengths))
+}
+
+/// Whether a point lies in the plane of a triangle.
 pub(super) fn lies_in_plane(point: DVec3, corners: [Vec3; 3]) -> bool {
     fn of<I: Integer>(points: [DVec3; 4], lengths: Scale) -> bool {
-        let [a, b, c, p] = points.map(|point| lengths.vector::<I>(point));
-        let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
-        dot(&subtract(&p, &a), &normal).sign() == Ordering::Equal
+        plane_determinant::<I>(points, lengths).sign() == Ordering::Equal
     }
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let points = [a, b, c, point];
@@ -357,5 +395,32 @@ mod tests {
         assert!(!plane_contains(eye.with_z(5f64.next_up()), &here));
         assert!(plane_is_parallel(b - c * 0.125, corners) && plane_is_parallel(c, corners));
         assert!(!plane_is_parallel(b.with_y(b.y.next_up()), corners));
+    }
+
+    /// A plane and an edge that pass the eye by the least number of single precision: the truth is worked out by hand.
+    #[test]
+    fn distances_and_products_from_an_eye_keep_all_digits() {
+        let least = f64::from(f32::from_bits(1));
+        let eye = DVec3::new(0.0, 0.0, 3.0 * least);
+        let far = 2f32.powi(20);
+        // In the plane z = x; the normal is (−1, 0, 1) times 2⁴¹.
+        let corners = [
+            Vec3::new(-far, -far, -far),
+            Vec3::new(far, -far, far),
+            Vec3::new(-far, far / 2.0, -far),
+        ];
+        let [ab, ac] = [1, 2].map(|k| (corners[k] - corners[0]).as_dvec3());
+        assert_eq!(
+            ab.cross(ac),
+            DVec3::new(-1.0, 0.0, 1.0) * (3.0 * 2f64.powi(40))
+        );
+        assert_eq!(distance_of_eye(eye, corners), -9.0 * least * 2f64.powi(40));
+        assert_eq!(distance_of_eye(DVec3::ZERO, corners), 0.0);
+        let [a, b, c] = corners;
+        assert_eq!(distance_of_eye(eye, [a, c, b]), 9.0 * least * 2f64.powi(40));
+        // (−f, −f, −f − 3s) × (f, f, f − 3s) with s the least number.
+        let product = cross_from(eye, [a, -a]);
+        let expected = DVec3::new(6.0, -6.0, 0.0) * (least * f64::from(far));
+        assert_eq!(product, expected);
     }
 }

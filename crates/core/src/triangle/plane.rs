@@ -18,6 +18,7 @@
 
 use super::Nearest;
 use super::componentwise::{Determinant, plane_distance};
+use super::exact::distance_of_eye;
 use glam::{DVec3, Vec3};
 
 /// The unit roundoff of double precision.
@@ -78,11 +79,27 @@ impl Plane {
         self.turned_along(self.corner - eye, error)
     }
 
+    /// [`Plane::turned_from`] with the corners at hand, decided exactly, for an eye that is not off: for planes that pass it
+    /// more closely than roundings in double precision.
+    pub(crate) fn turned_exactly_from(mut self, eye: DVec3, corners: [Vec3; 3]) -> Option<Self> {
+        let value = distance_of_eye(eye, corners);
+        self.turn = value.signum();
+        self.normal *= self.turn;
+        (value != 0.0).then_some(self)
+    }
+
     /// A point's signed distance times the normal's length, and the bound on its error.
     #[inline(always)]
     pub(crate) fn distance(&self, point: Vec3) -> (f64, f64) {
         let relative = point.as_dvec3() - self.corner;
         (self.normal.dot(relative), self.error(relative.abs()))
+    }
+
+    /// [`Plane::distance`] of a ray's origin that is off by at most `error` a coordinate.
+    pub(crate) fn distance_of_origin(&self, origin: DVec3, error: f64) -> (f64, f64) {
+        let relative = origin - self.corner;
+        let off = error * self.magnitude.element_sum() * 1.01;
+        (self.normal.dot(relative), self.error(relative.abs()) + off)
     }
 
     /// [`Plane::distance`] in double-double arithmetic; `corners` are the plane's.

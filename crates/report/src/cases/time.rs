@@ -8,9 +8,9 @@ use crate::cameras::PROJECTIONS;
 pub use scenes::{ScenePair, SceneView};
 use scenes::{
     between_layers, coincident, cone, crossing_layers, exponents, far_vertex, integer_plane,
-    mesh_copies, next_to_layers, next_to_planes, next_to_vertex, one_plane, ray_plane,
-    rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex, subnormal_layers,
-    thin_boxes, tiny_and_far,
+    mesh_copies, next_to_discs, next_to_fan, next_to_grid_plane, next_to_layers, next_to_planes,
+    next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane,
+    shared_vertex, subnormal_layers, thin_boxes, tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -60,6 +60,9 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("layers_that_cross_by_subnormal_numbers", crossing_layers),
     // Half of the rays of each cell start behind the plane: nothing covers it.
     timed("rays_that_start_in_a_plane", ray_plane),
+    timed("eye_next_to_a_vertex_of_thousands", next_to_fan),
+    timed("eye_next_to_a_vertex_of_layers", next_to_discs),
+    timed("eye_next_to_thousands_of_one_plane", next_to_grid_plane),
 ];
 
 macro_rules! case {
@@ -200,6 +203,24 @@ pub(super) const CASES: &[Case] = &[
         ray_plane,
         (6, 4),
         "12,000 overlapping triangles of the plane that orthographic rays start in but for rounding: each starts on either side, and all are left undecided."
+    ),
+    case!(
+        "eye_next_to_a_vertex_of_thousands",
+        next_to_fan,
+        (24, 18),
+        "The eye 3e-45 from a vertex that 4,000 triangles share: their planes pass it within all roundings, and their inverse depths overflow single precision."
+    ),
+    case!(
+        "eye_next_to_a_vertex_of_layers",
+        next_to_discs,
+        (24, 18),
+        "The eye 3e-45 from a vertex that 4,000 layers share, which part by 1e-12 of the distance from it."
+    ),
+    case!(
+        "eye_next_to_thousands_of_one_plane",
+        next_to_grid_plane,
+        (24, 18),
+        "The eye 3e-45 from a plane that 4,000 triangles with corners on a grid lie in: double precision does not tell on which side of it, or of their edges."
     ),
 ];
 

@@ -37,7 +37,7 @@ impl IntervalZBuffer {
     /// proves no ray to hit; only those are examined that are ill-conditioned, or on which orthographic rays may start.
     #[inline(never)]
     pub(super) fn refine(
-        &self,
+        &mut self,
         space: &PacketSpace,
         set_up: &mut TriangleSetup,
         corners: &CornerLanes,
@@ -58,6 +58,7 @@ impl IntervalZBuffer {
                 out: set_up,
             };
             dispatch(decisions.simd(), work);
+            self.overflowed |= set_up.overflows;
         }
         let mut never_hit = 0;
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {

@@ -73,80 +73,86 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             let boxes = self.entry_points.iter().map(|entry| entry.1);
             self.reference = DepthReference::of(boxes, &places.view, self.eye);
         }
-        let from = self.seen_from(&places.view);
-        let frustum = Frustum::new(from, &places.window());
-        let cells = CellFrusta::new(from, &places.cell_windows());
-        let space = places.space(self.eye, self.eye_error, cull);
-        let space = space.relative_to(self.reference);
-        let mut descent = Descent::new(frustum, SmallBoxes::new(self.lattice));
-        descent.cells = Some(cells);
-        // Used for the cells' frusta only, which are built already.
-        let part = RayRect {
-            column: 0,
-            row: 0,
-            columns: places.columns,
-            rows: places.rows_of_rays,
-        };
-        let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
-        let projector = Projector::new(&space, nearest);
-        let mut placed = PlacedTriangles::NONE;
-        let mut boxes = [PlaceBox::EMPTY; LANES];
-        let mut begun = false;
-        loop {
-            let mut covered = 0;
-            while self.queued.len < LANES {
-                if placed.bounds.seen != 0 {
-                    let lane = placed.bounds.seen.trailing_zeros() as usize & (LANES - 1);
-                    placed.bounds.seen &= placed.bounds.seen - 1;
-                    let at = (places, &placed, lane);
-                    covered += self.queue_or_merge(lanes, at, &mut boxes, &mut descent, zbuffer);
-                    continue;
+        'packet: loop {
+            let from = self.seen_from(&places.view);
+            let frustum = Frustum::new(from, &places.window());
+            let cells = CellFrusta::new(from, &places.cell_windows());
+            let space = places.space(self.eye, self.eye_error, cull);
+            let space = space.relative_to(self.reference);
+            let mut descent = Descent::new(frustum, SmallBoxes::new(self.lattice));
+            descent.cells = Some(cells);
+            // Used for the cells' frusta only, which are built already.
+            let part = RayRect {
+                column: 0,
+                row: 0,
+                columns: places.columns,
+                rows: places.rows_of_rays,
+            };
+            let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
+            let projector = Projector::new(&space, nearest);
+            let mut placed = PlacedTriangles::NONE;
+            let mut boxes = [PlaceBox::EMPTY; LANES];
+            let mut begun = false;
+            loop {
+                let mut covered = 0;
+                while self.queued.len < LANES {
+                    if placed.bounds.seen != 0 {
+                        let lane = placed.bounds.seen.trailing_zeros() as usize & (LANES - 1);
+                        placed.bounds.seen &= placed.bounds.seen - 1;
+                        let at = (places, &placed, lane);
+                        covered +=
+                            self.queue_or_merge(lanes, at, &mut boxes, &mut descent, zbuffer);
+                        continue;
+                    }
+                    if covered >= MANY_RAYS {
+                        break;
+                    }
+                    self.fill_batch(lanes, &mut descent, &part, zbuffer, &mut ());
+                    if self.batch.len == 0 {
+                        break;
+                    }
+                    if !self.clip.is_empty() && !self.clip_batch() {
+                        continue;
+                    }
+                    if !begun {
+                        begun = true;
+                        self.decisions.set_rays(&space, &part);
+                        zbuffer.clear_places(lanes, places);
+                    }
+                    let corners = self.corners(lanes, Batch::primitives(&self.batch));
+                    let count = self.batch.len;
+                    if !placed.project(lanes, &projector, &corners, count, &places.around) {
+                        space.bound_places(&corners, count, &mut placed.bounds);
+                    }
+                    // Depth keys of small triangles are too coarse to be relative, and what clipping planes cut has further edges.
+                    placed.small &= if self.reference.is_zero() {
+                        !self.cut
+                    } else {
+                        0
+                    };
                 }
-                if covered >= MANY_RAYS {
-                    break;
+                if self.queued.len == 0 {
+                    return begun;
                 }
-                self.fill_batch(lanes, &mut descent, &part, zbuffer, &mut ());
-                if self.batch.len == 0 {
-                    break;
+                let corners = self.corners(lanes, self.queued.primitives());
+                let primitives = &self.queued.primitives[..self.queued.len];
+                let decisions = &mut self.decisions;
+                zbuffer.rasterize_at_places(
+                    lanes,
+                    (&space, places),
+                    &corners,
+                    &boxes,
+                    primitives,
+                    decisions,
+                );
+                self.counts.triangles += primitives.len() as u64;
+                self.queued.len = 0;
+                if zbuffer.has_overflowed() && self.shorten_unit(&places.view) {
+                    continue 'packet;
                 }
-                if !self.clip.is_empty() && !self.clip_batch() {
-                    continue;
-                }
-                if !begun {
-                    begun = true;
-                    self.decisions.set_rays(&space, &part);
-                    zbuffer.clear_places(lanes, places);
-                }
-                let corners = self.corners(lanes, Batch::primitives(&self.batch));
-                let count = self.batch.len;
-                if !placed.project(lanes, &projector, &corners, count, &places.around) {
-                    space.bound_places(&corners, count, &mut placed.bounds);
-                }
-                // Depth keys of small triangles are too coarse to be relative, and what clipping planes cut has further edges.
-                placed.small &= if self.reference.is_zero() {
-                    !self.cut
-                } else {
-                    0
-                };
+                descent.merged_small = false;
+                descent.limits = self.limits(lanes, zbuffer);
             }
-            if self.queued.len == 0 {
-                return begun;
-            }
-            let corners = self.corners(lanes, self.queued.primitives());
-            let primitives = &self.queued.primitives[..self.queued.len];
-            let decisions = &mut self.decisions;
-            zbuffer.rasterize_at_places(
-                lanes,
-                (&space, places),
-                &corners,
-                &boxes,
-                primitives,
-                decisions,
-            );
-            self.counts.triangles += primitives.len() as u64;
-            self.queued.len = 0;
-            descent.merged_small = false;
-            descent.limits = self.limits(lanes, zbuffer);
         }
     }
 

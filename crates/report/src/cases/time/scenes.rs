@@ -390,3 +390,53 @@ pub(super) fn ray_plane() -> ScenePair {
         ordinary: view_of(&ordinary),
     }
 }
+
+/// A scene and one of as many ordinary triangles, seen from next to the origin.
+fn pair_from_the_origin(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
+    let eye = DVec3::Z * (2.0 * f64::from(f32::from_bits(1)));
+    let view_of = |corners| SceneView {
+        scene: single_mesh(soup(corners)),
+        view: (eye, DVec3::new(0.25, -0.5, -1.0), 1.0),
+    };
+    ScenePair {
+        hostile: view_of(hostile),
+        ordinary: view_of(ordinary),
+    }
+}
+
+/// Triangles that all have the origin as a corner.
+pub(super) fn next_to_fan() -> ScenePair {
+    let mut random = Random::new(530);
+    let mut corner = || random.in_cube();
+    let fan: Vec<[DVec3; 3]> = (0..4000)
+        .map(|_| [DVec3::ZERO, corner(), corner()])
+        .collect();
+    let ordinary = triangles_on(4000, || random.in_cube());
+    pair_from_the_origin(&fan, &ordinary)
+}
+
+/// Thirds of discs around the origin, stacked, with a corner there.
+pub(super) fn next_to_discs() -> ScenePair {
+    let mut random = Random::new(540);
+    let third = |disc: u32| {
+        let corner = |turn: u32| {
+            let (sin, cos) = math::sin_cos(TAU * f64::from(turn) / 3.0);
+            DVec3::new(cos, sin, f64::from(disc) * 1e-12)
+        };
+        [corner(disc), corner(disc + 1), DVec3::ZERO]
+    };
+    let discs: Vec<[DVec3; 3]> = (0..4000).map(third).collect();
+    let ordinary = triangles_on(4000, || random.in_cube());
+    pair_from_the_origin(&discs, &ordinary)
+}
+
+/// Triangles of a plane through the origin with corners at multiples of an eighth.
+pub(super) fn next_to_grid_plane() -> ScenePair {
+    let mut random = Random::new(550);
+    let in_plane = triangles_on(4000, || {
+        let at = (random.in_cube() * 8.0).round() / 8.0;
+        at.with_z(at.x)
+    });
+    let ordinary = triangles_on(4000, || random.in_cube());
+    pair_from_the_origin(&in_plane, &ordinary)
+}
