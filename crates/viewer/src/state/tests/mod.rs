@@ -5,6 +5,7 @@ mod cut_tests;
 mod file_tests;
 mod manipulator_tests;
 mod object_tests;
+mod pick_tests;
 mod picture_tests;
 
 use super::command::Command;
