@@ -30,6 +30,10 @@
 //!   needs 8, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
 //!   afterwards, as in `setup`. Units of depth are powers of two, and round nothing.
 //!
+//! * **Exact factors.** From an eye that is not off, P₀·n is computed exactly where its sign is not clear, and P×Q where an
+//!   edge function is off by more than [`COARSE`] of itself: planes, or edges' lines, that pass the eye within
+//!   roundings. Each is rounded once, by 1.01ε of itself: the bound of products stays 12ε, and 4ε is taken for P₀·n.
+//!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!
 //! Numbers that are zero or within 2^±200 keep products of four in double precision's range.

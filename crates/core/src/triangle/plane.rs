@@ -180,6 +180,31 @@ mod tests {
         assert!(decided > 19_000, "{decided}");
     }
 
+    /// Origins in a plane but for roundings, moved by as much as their error allows. With either term of the bound at zero
+    /// this fails.
+    #[test]
+    fn origins_that_are_off_are_within_the_bounds_of_distances() {
+        let mut random = Random(73);
+        for round in 0..20_000 {
+            let most = f64::from(1 << 20);
+            let [a, b, c] = [(); 3].map(|()| whole(&mut random, most));
+            let (u, v) = (minus(b, a), minus(c, a));
+            let (s, t) = (random.signed(), random.signed());
+            let at = [0, 1, 2].map(|k| a[k] + (u[k] as f64 * s + v[k] as f64 * t) as i128);
+            let off = match round % 2 {
+                0 => [0; 3],
+                _ => whole(&mut random, 9.0),
+            };
+            let truth = determinant(minus(at, a), u, v);
+            let seen = DVec3::from_array([0, 1, 2].map(|k| (at[k] + off[k]) as f64));
+            let most = off.map(i128::abs).into_iter().max().unwrap_or(0);
+            let plane = Plane::new([a, b, c].map(point));
+            let (value, error) = plane.distance_of_origin(seen, most as f64);
+            let off = (value as i128 - truth).unsigned_abs();
+            assert!(off as f64 <= error + 0.5, "{a:?} {b:?} {c:?} {at:?}");
+        }
+    }
+
     /// Directions that are parallel to a plane but for roundings. With either term of the bound at zero this fails.
     #[test]
     fn planes_turn_to_where_integers_say_that_rays_go() {
