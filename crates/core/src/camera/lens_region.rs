@@ -28,7 +28,7 @@
 //!   16εSR, and a step's end by β' of that and by ε of itself: below 460ε where SRβ' ≤ 28. With 64ε from the last step's
 //!   length it is less than 720ε, as `packet/places` supposes.
 //! * **What covers what.** βL·(r + 2t) ≤ ½ leaves little beyond h ≤ ¼, and the other way round; where the lens ends J has
-//!   no positive determinant, and next to it β is large. What is asked of h, of the end and of rounding closes the proof,
+//!   no positive determinant, and next to it β is large. The conditions on h, on the end and on rounding close the proof,
 //!   and no test needs it; the terms of one step are each compared with the steps themselves.
 
 use super::brown_conrady::{BrownConrady, FLATTEST, STEPS, WellBehaved};

@@ -177,7 +177,7 @@ mod tests {
     /// Ten parallel planes, so that they evict one another: only in the first do rays start on either side. The truth is
     /// brute force.
     #[test]
-    fn rays_that_start_in_front_of_planes_are_told_from_others() {
+    fn rays_that_start_in_front_of_planes_are_distinguished() {
         let (lattice, triangles) = rays_in_a_plane(0);
         let moved = |k: usize| triangles[0].map(|corner| corner + DVec3::Z * (k as f64 / 64.0));
         let planes = (0..CACHED + 2).map(|k| match k % 2 {

@@ -21,7 +21,7 @@
 //! * u = U/W ≤ 1 is off by the sum of both over |W|, with K = R·e(512εm + 8η) by less than K/|W|; and so is v, and t
 //!   relative to itself, as a·N is off by 54εme² + 6ηe², and a·N = λW for the λ ≤ √3m at which D reaches the triangle,
 //!   since its longest coordinate is at least 1/√3.
-//! * So |W| ≥ |a·N|/(√3m) wherever the triangle is hit. [`Interpolants::new`] asks that K over this is at most 2⁻²⁵, a
+//! * So |W| ≥ |a·N|/(√3m) wherever the triangle is hit. [`Interpolants::new`] requires that K over this is at most 2⁻²⁵, a
 //!   quarter of single precision's unit in the last place of a weight near 1.
 //! * Parallel rays have |D| = 1, the same W everywhere, and origins up to R from the eye: K = e(512ε(m + R) + 8η). η has
 //!   the rounding of those origins in it, two units of the eye's coordinates and R. t's numerator is off by less than

@@ -120,7 +120,7 @@ fn grazing(facing: f32) -> f32 {
 /// e^t is 2ⁿ e^r, with n the integer nearest to t / ln 2 and |r| ≤ 0.347, and e^r the sum of its series to r⁹ / 9!. The rest
 /// of the series is less than 2⁻³⁶·⁴ of it. r is off by less than 2⁻⁴⁹: n ln 2, at most 6.5, was rounded, and so was ln 2.
 /// The sum and [`math::exp`] are off by less than 2⁻⁴⁹ beside. What is within 2⁻³⁶ of the sum rounds to single precision
-/// as it does, if both ends of that range do; else, for one row of eight in some 360, [`math::exp`] is asked.
+/// as it does, if both ends of that range do; else, for one row of eight in some 360, [`math::exp`] is called.
 #[inline(always)]
 fn eight_grazing(facing: &[f32; LANES]) -> [f32; LANES] {
     const ERROR: f64 = 1.0 / (1u64 << 36) as f64;
