@@ -182,15 +182,3 @@ fn a_field_of_view_is_one_that_the_projection_can_have() {
         refuse_render(2, &mesh, &options, named);
     }
 }
-
-#[test]
-fn the_sub_cameras_of_a_panorama_have_no_frusta_to_show() {
-    let options = [
-        "--projection",
-        "fisheye",
-        "--tiles",
-        "2x2",
-        "--show-sub-cameras",
-    ];
-    refuse_render(2, &asset("cube.obj"), &options, "planar");
-}

@@ -1,6 +1,6 @@
 //! Which modes are shaded eight pixels at once, and where the colours go.
 
-use super::tile::within;
+use super::spans::within;
 use super::vectors::Vectors;
 use crate::num::simd::Lanes;
 

@@ -79,6 +79,13 @@ pub(super) fn put<T: Copy>(row: &mut [T], at: usize, eight: &[T; LANES]) {
     }
 }
 
+/// The pixels of a row that are within a rectangle of so many columns.
+#[inline(always)]
+pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
+    let count = pixels.len().min(columns);
+    &mut pixels[..count]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

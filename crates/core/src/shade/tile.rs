@@ -1,5 +1,6 @@
 use super::facet::{Facet, SurfaceTriangle};
 use super::hit_rows::HitRows;
+use super::spans::within;
 use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
@@ -310,13 +311,6 @@ impl<'s> TileShader<'s> {
         self.shader
             .make_ready(facet, primitive, self.shader.needs(), x);
     }
-}
-
-/// The pixels of a row that are within a rectangle of so many columns.
-#[inline(always)]
-pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
-    let count = pixels.len().min(columns);
-    &mut pixels[..count]
 }
 
 /// The arguments of [`TileShader::shade_primitives`].

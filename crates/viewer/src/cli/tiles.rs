@@ -20,7 +20,7 @@ pub struct TileArgs {
     #[arg(long, value_name = "N", conflicts_with = "sub_camera")]
     pub unfinished: Option<usize>,
     /// Draw the split from outside: the scene, and the frustum of each sub-camera up to the plane of the camera's
-    /// target
+    /// target; for panoramas and lenses, up to the sphere through it
     #[arg(long, conflicts_with_all = ["sub_camera", "unfinished"])]
     pub show_sub_cameras: bool,
 }

@@ -20,19 +20,19 @@ const EDGE: f64 = 0.0012;
 /// The direction of the outside camera relative to the shown one, in degrees to the side and up.
 const ASIDE: (f64, f64) = (62.0, 24.0);
 
-/// A view of the same scene with the frusta of a camera's sub-cameras, from their eye to the plane of the
-/// camera's target, seen from outside in as many pixels.
+/// The straight pieces that a side of a panorama's tile is drawn with: its rays' ends lie on a sphere.
+const PIECES: u32 = 16;
+
+/// A piece of a frustum's outline.
+type Edge = (DVec3, DVec3);
+
+/// A view of the same scene with the frusta of a camera's sub-cameras, seen from outside in as many pixels. They reach from
+/// their eye to the plane of the camera's target; those of panoramas, and through a lens, to the sphere through it.
 ///
 /// # Errors
-/// More sub-cameras than can be drawn; a panorama, or a picture for two eyes; a scene that cannot be put together.
+/// More sub-cameras than can be drawn; a picture for two eyes; a scene that cannot be put together.
 pub(super) fn outside_view(view: &View, grid: Grid) -> Result<View, Failure> {
     let camera = view.camera;
-    if camera.projection().panorama().is_some() {
-        return Err(Failure::usage(format!(
-            "--show-sub-cameras draws the frusta of a planar picture: the sub-cameras of {} have none",
-            camera.projection()
-        )));
-    }
     if camera.stereo().is_some() {
         return Err(Failure::usage(
             "--show-sub-cameras draws frusta from one eye: this picture is for two",
@@ -46,24 +46,21 @@ pub(super) fn outside_view(view: &View, grid: Grid) -> Result<View, Failure> {
         )));
     }
     let tiles = grid.tiles(plane.columns, plane.rows);
-    let corners: Vec<[(DVec3, DVec3); 4]> =
-        tiles.iter().map(|&tile| edges(&camera, tile)).collect();
-    let ends = corners.iter().flatten().flat_map(|&(from, to)| [from, to]);
+    let outline = match camera.projection().panorama() {
+        Some(_) => curved_outline,
+        None => plane_outline,
+    };
+    let outlines: Vec<Vec<Edge>> = tiles.iter().map(|&tile| outline(&camera, tile)).collect();
+    let ends = outlines.iter().flatten().flat_map(|&(from, to)| [from, to]);
     let bounds = setup::bounds(&view.scene, &view.accel);
     let all = Bounds::around(bounds.corners().into_iter().chain(ends));
     let half_width = EDGE * (all.max - all.min).length();
     let mut scene = Scene::clone(&view.scene);
     let lively = ColorRule::PerTriangle { seed: 1 };
-    for (index, corners) in corners.iter().enumerate() {
+    for (index, outline) in outlines.iter().enumerate() {
         let mut bars = MeshData::default();
-        for i in 0..4 {
-            let ((from, to), (beside, next)) = (corners[i], corners[(i + 1) % 4]);
+        for &(from, to) in outline {
             bar(&mut bars, from, to, half_width);
-            bar(&mut bars, to, next, half_width);
-            // Parallel rays start on the image plane.
-            if from != beside {
-                bar(&mut bars, from, beside, half_width);
-            }
         }
         let name = format!(
             "sub-camera {},{}",
@@ -91,19 +88,66 @@ pub(super) fn outside_view(view: &View, grid: Grid) -> Result<View, Failure> {
     })
 }
 
-/// For each corner of a tile, where its ray starts and where it reaches the plane of the camera's target.
-fn edges(camera: &Camera, tile: Rect) -> [(DVec3, DVec3); 4] {
+/// A place of a tile, 0 to 1 across and down; its rim is drawn inside it.
+fn place_in(tile: Rect, x: f64, y: f64) -> (f64, f64) {
+    let within = |share: f64| share.clamp(SHRINK, 1.0 - SHRINK);
+    (
+        f64::from(tile.x) + f64::from(tile.width) * within(x),
+        f64::from(tile.y) + f64::from(tile.height) * within(y),
+    )
+}
+
+const CORNERS: [(f64, f64); 4] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+
+/// The frustum of a tile up to the plane of the camera's target.
+fn plane_outline(camera: &Camera, tile: Rect) -> Vec<Edge> {
     let placement = camera.placement();
     let forward = placement.target - placement.eye;
-    let (width, height) = (f64::from(tile.width), f64::from(tile.height));
-    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y): (f64, f64)| {
-        let x = f64::from(tile.x) + width * x.clamp(SHRINK, 1.0 - SHRINK);
-        let y = f64::from(tile.y) + height * y.clamp(SHRINK, 1.0 - SHRINK);
+    let rays = CORNERS.map(|(x, y)| {
+        let (x, y) = place_in(tile, x, y);
         let ray = camera.ray(x, y);
         // A camera's ray is never parallel to the plane of the target.
         let t = (placement.target - ray.origin).dot(forward) / ray.direction.dot(forward);
         (ray.origin, ray.origin + ray.direction * t)
-    })
+    });
+    let mut outline = Vec::new();
+    for corner in 0..CORNERS.len() {
+        let ((from, to), (beside, next)) = (rays[corner], rays[(corner + 1) % CORNERS.len()]);
+        outline.extend([(from, to), (to, next)]);
+        // Parallel rays start on the image plane.
+        if from != beside {
+            outline.push((from, beside));
+        }
+    }
+    outline
+}
+
+/// What a tile of a panorama sees, up to the sphere through the camera's target: without the parts that are outside the
+/// picture's domain.
+fn curved_outline(camera: &Camera, tile: Rect) -> Vec<Edge> {
+    let placement = camera.placement();
+    let distance = placement.eye.distance(placement.target);
+    let end = |(x, y): (f64, f64)| {
+        let (x, y) = place_in(tile, x, y);
+        let direction = camera.ray(x, y).direction.normalize_or_zero();
+        (direction != DVec3::ZERO).then_some(placement.eye + direction * distance)
+    };
+    let mut outline = Vec::new();
+    for corner in 0..CORNERS.len() {
+        let (from, to) = (CORNERS[corner], CORNERS[(corner + 1) % CORNERS.len()]);
+        outline.extend(end(from).map(|to| (placement.eye, to)));
+        let between = |piece: u32| {
+            let share = f64::from(piece) / f64::from(PIECES);
+            end((
+                from.0 + (to.0 - from.0) * share,
+                from.1 + (to.1 - from.1) * share,
+            ))
+        };
+        let pieces = (0..PIECES).filter_map(|piece| Some((between(piece)?, between(piece + 1)?)));
+        // At a pole all of a row is one point.
+        outline.extend(pieces.filter(|(from, to)| from != to));
+    }
+    outline
 }
 
 /// Adds a bar of three sides between two points.
@@ -130,7 +174,8 @@ fn bar(mesh: &mut MeshData, from: DVec3, to: DVec3, half_width: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::camera::{ImagePlane, Placement, Projection};
+    use raycast_core::camera::{ImagePlane, Panorama, Placement, Projection};
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_frustum_reaches_from_the_eye_to_its_tiles_corners_on_the_targets_plane() {
@@ -148,7 +193,9 @@ mod tests {
                 width: 4,
                 height: 2,
             };
-            let [(from, to), (_, right), ..] = edges(&camera, tile);
+            let [(from, to), (_, right), ..] = plane_outline(&camera, tile)[..] else {
+                panic!("a corner, and the edge to the next");
+            };
             let shrunk = 4.0 * 0.5 * SHRINK;
             assert!(
                 to.distance(DVec3::new(shrunk, 1.0 - shrunk / 2.0, 0.0)) < 1e-12,
@@ -164,6 +211,38 @@ mod tests {
                 }
                 Projection::Orthographic => assert!(from.distance(to + DVec3::Z * 4.0) < 1e-12),
             }
+        }
+    }
+
+    /// The top left quarter of the sphere has four corners, that of a full fisheye's square three: one is outside the disc.
+    #[test]
+    fn a_panoramas_tile_reaches_the_sphere_through_the_target() {
+        let placement = Placement {
+            eye: DVec3::new(0.0, 0.0, 4.0),
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+        };
+        for (panorama, (columns, rows), corners) in [
+            (Panorama::Equirectangular, (8, 4), 4),
+            (Panorama::Equidistant, (8, 8), 3),
+        ] {
+            let plane = ImagePlane::new(columns, rows, 4.0 * TAU / 8.0).expect("a plane");
+            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            let quarter = Rect {
+                x: 0,
+                y: 0,
+                width: columns / 2,
+                height: rows / 2,
+            };
+            let outline = curved_outline(&camera, quarter);
+            let from_eye = outline.iter().filter(|(from, _)| *from == placement.eye);
+            assert_eq!(from_eye.count(), corners, "{panorama:?}");
+            for (_, to) in &outline {
+                assert!((to.distance(placement.eye) - 4.0).abs() < 1e-12, "{to}");
+            }
+            // The corner in the picture's middle, all but the shrinking.
+            let nearest = outline.iter().map(|(_, to)| to.distance(placement.target));
+            assert!(nearest.fold(f64::INFINITY, f64::min) < 4.0 * TAU * SHRINK);
         }
     }
 
