@@ -300,7 +300,11 @@ fn a_files_planes_and_colour_scale_are_taken_away_by_the_command_or_the_scene_is
     let (mut state, files) = empty();
     // A scene that is open by itself would be saved after any change.
     let paths = [at.join("cube.obj"), scene];
-    let reopen = |state: &mut State| open(state, &files, &paths, Keep::Nothing);
+    // In another window: here changed planes would be asked about.
+    let reopen = |state: &mut State| {
+        *state = empty().0;
+        open(state, &files, &paths, Keep::Nothing);
+    };
     reopen(&mut state);
     copies(&mut state, &files, at);
     // Off, which is one of the file's planes no more.

@@ -350,9 +350,10 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
             let can_discard = *pending != Pending::CopyCommand;
             let answers = answers.into_iter();
             for (name, hint, answer) in answers.filter(|a| can_discard || a.2 != Answer::Discard) {
+                let is_new = ui.ctx().read_response(ui.next_auto_id()).is_none();
                 let button = ui.add(Button::new(name)).on_hover_text(hint);
-                if answer == Answer::Save && ui.memory(|memory| memory.focused().is_none()) {
-                    button.request_focus();
+                if answer == Answer::Save {
+                    take_focus(&button, is_new);
                 }
                 if button.clicked() {
                     out.push(Command::Answer(answer));
@@ -360,6 +361,16 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
             }
         });
     });
+}
+
+/// Gives a question's answer the keyboard: from whatever has it when the question appears, and later where nothing has.
+fn take_focus(answer: &egui::Response, is_new: bool) {
+    if is_new {
+        egui::Popup::close_all(&answer.ctx);
+    }
+    if is_new || answer.ctx.memory(|memory| memory.focused().is_none()) {
+        answer.request_focus();
+    }
 }
 
 /// The question about replacing an existing file.
@@ -372,11 +383,10 @@ fn question(ui: &mut Ui, replacing: &Replacing, out: &mut Commands) {
             if ui.button("Replace it").clicked() {
                 out.push(Command::Replace);
             }
+            let is_new = ui.ctx().read_response(ui.next_auto_id()).is_none();
             let keep = ui.button("Keep it").on_hover_text("Close (Esc)");
             // Enter on a question that has just appeared does no harm; Shift+Tab or an arrow leads to the other answer.
-            if ui.memory(|memory| memory.focused().is_none()) {
-                keep.request_focus();
-            }
+            take_focus(&keep, is_new);
             if keep.clicked() {
                 out.push(Command::Dismiss);
             }

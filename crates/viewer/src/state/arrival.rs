@@ -104,6 +104,7 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     }
     let paths = document.paths.clone();
     let shading = document.shading;
+    document.clip = clip;
     state.document = Some(document);
     match renewed {
         Some(meshes) => state.history.renew(&meshes),
@@ -116,6 +117,7 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     state.naming = None;
     state.selected = state.selected.filter(|_| keeps_all);
     state.typed = None;
+    state.neighbor = 0;
     state.question = None;
     state.forget_pending();
     state.motion = None;
@@ -185,6 +187,10 @@ fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
         .iter()
         .map(|(new, old)| (Arc::clone(&old.mesh), Arc::clone(&new.mesh)));
     let meshes: Renewed = meshes.collect();
+    // Without edits there is nothing to carry over, and nothing that was not saved.
+    if Arc::ptr_eq(&last.scene, &last.read) {
+        return Some(meshes);
+    }
     let objects = pairs.iter().map(|(new, old)| Object {
         mesh: Arc::clone(&new.mesh),
         // A texture that came with the mesh was reloaded as well.

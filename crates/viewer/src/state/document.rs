@@ -3,7 +3,7 @@
 use raycast_core::Accel;
 use raycast_core::camera::CameraPath;
 use raycast_core::formats::LengthUnit;
-use raycast_core::scene::{Bounds, Mesh, Object, Scene};
+use raycast_core::scene::{Bounds, ClippingPlanes, Mesh, Object, Scene};
 use raycast_core::shade::Shading;
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
@@ -31,6 +31,8 @@ pub struct Document {
     pub animation: Option<CameraPath>,
     /// The shading that its files tell.
     pub shading: Option<Shading>,
+    /// The clipping planes that its files have.
+    pub clip: ClippingPlanes,
     /// The objects with all edits.
     pub scene: Arc<Scene>,
     /// The objects as they were read.
@@ -62,6 +64,7 @@ impl Document {
             size: None,
             animation: None,
             shading: None,
+            clip: ClippingPlanes::NONE,
             read: Arc::clone(&scene),
             built: Arc::clone(&scene),
             scene,

@@ -173,6 +173,8 @@ pub struct State {
     pub prompt: Option<Prompt>,
     /// The path line that was accepted last, until its file is read: on failure it opens again.
     pub typed: Option<Prompt>,
+    /// How many files after the open one, in its folder, the last was that was tried; zero once a scene is there.
+    pub neighbor: i32,
     /// The action that waits for an answer about unsaved changes.
     pub question: Option<Pending>,
     /// Counts scenes that took the place of what was open; one that is read again does not.
@@ -251,6 +253,7 @@ impl Default for State {
             palette: None,
             prompt: None,
             typed: None,
+            neighbor: 0,
             question: None,
             scenes: 0,
             arrived: None,
@@ -296,14 +299,17 @@ impl State {
     }
 
     /// Whether there are unsaved changes to ask about: any change of a scene that has a file; without one, changes of
-    /// objects that can be saved. Another mode while looking through meshes does not count.
+    /// objects that can be saved, and clipping planes. Another mode while looking through meshes does not count.
     pub fn has_unsaved(&self) -> bool {
         let Some(document) = &self.document else {
             return false;
         };
         let is_changed = match document.file {
             Some(_) => self.history.is_changed(),
-            None => !Arc::ptr_eq(&document.scene, &document.read),
+            None => {
+                let is_cut = self.settings.clip != document.clip;
+                is_cut || !Arc::ptr_eq(&document.scene, &document.read)
+            }
         };
         is_changed && document.can_be_saved()
     }

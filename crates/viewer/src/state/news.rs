@@ -150,7 +150,9 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Texture(texture, path, which) => {
             let path = in_working_folder(path);
             return change(state, "Texture", |state| {
-                state.settings.shading.mode = Mode::Texture;
+                if !shows_textures(state.settings.shading.mode) {
+                    state.settings.shading.mode = Mode::Smooth;
+                }
                 objects::change(state, which, |object| {
                     object.texture = Some(Arc::clone(&texture));
                     object.texture_source = Some(path.clone());
@@ -281,4 +283,12 @@ pub fn expire_toasts(state: &mut State, now: Duration) -> Option<Duration> {
     state.toasts.retain(|toast| now < toast.since + SHOWN);
     let next = state.toasts.iter().map(|toast| toast.since + SHOWN).min()?;
     Some(next.saturating_sub(now))
+}
+
+/// Whether a mode shows the surfaces' textures.
+fn shows_textures(mode: Mode) -> bool {
+    matches!(
+        mode,
+        Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture | Mode::XRay
+    )
 }

@@ -343,7 +343,12 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::OpenNeighbor(step) => {
             let document = state.document.as_ref()?;
             let first = document.paths.first()?.clone();
-            return Some(Effect::OpenNeighbor(first, step));
+            // Past files that could not be opened, and not back to the one that is open.
+            state.neighbor += step;
+            if state.neighbor == 0 {
+                state.neighbor = step;
+            }
+            return Some(Effect::OpenNeighbor(first, state.neighbor));
         }
         Command::Reload => return files::reload(state),
         Command::OpenCase(name) => return Some(Effect::OpenCase(name)),

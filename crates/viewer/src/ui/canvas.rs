@@ -24,14 +24,15 @@ pub struct TileNote {
 }
 
 impl TileNote {
-    fn new(arrival: &Arrival, background: Background) -> Self {
+    /// `background` as in [`Batch`].
+    fn new(arrival: &Arrival, background: Option<Background>) -> Self {
         let stats = arrival.tile.stats;
         // Interpolation between the rays of coarse passes, and between samples, makes other colours.
         let plain = arrival.pass.stride == 1 && arrival.pass.samples == 1;
         Self {
             stats,
             order: arrival.order,
-            empty: (plain && stats.counts.hits == 0).then_some(background),
+            empty: background.filter(|_| plain && stats.counts.hits == 0),
         }
     }
 }
@@ -217,7 +218,7 @@ mod tests {
         Batch {
             generation,
             layout,
-            background: Background::default(),
+            background: Some(Background::default()),
             legend: None,
             tiles,
             reports: Vec::new(),
@@ -294,8 +295,8 @@ mod tests {
             canvas.hand_over();
             canvas.surface.image.pixels[0].r()
         };
-        let here = Background::default();
-        let other = Background::Gradient(Color([1; 3]), Color([2; 3]));
+        let here = Some(Background::default());
+        let other = Some(Background::Gradient(Color([1; 3]), Color([2; 3])));
         let coarse = Pass { stride: 2, ..PASS };
         assert_eq!(show(&mut canvas, 1, 0, here, PASS), 1, "new");
         assert_eq!(show(&mut canvas, 2, 0, here, PASS), 1, "as it was");
@@ -322,6 +323,10 @@ mod tests {
             8,
             "after another scene"
         );
+        for generation in [9, 10] {
+            let shown = show(&mut canvas, generation, 0, None, PASS);
+            assert_eq!(u64::from(shown), generation, "a ground that has moved");
+        }
     }
 
     #[test]

@@ -93,6 +93,8 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     let mut steps = None;
     // What is typed in the frame whose key opens a text field: a slow machine gets several keys in one frame.
     let (mut opens, mut typed) = (false, String::new());
+    // A letter that opens a field is not typed into it.
+    let mut is_letter = false;
     let mut commands = context.input(|input| {
         let mut commands = Vec::new();
         let free = !input.modifiers.any() || input.modifiers.shift_only();
@@ -116,6 +118,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 egui::Event::Paste(text) if !typing => {
                     commands.push(Command::PasteCamera(text.clone()));
                 }
+                egui::Event::Text(_) if std::mem::take(&mut is_letter) => {}
                 egui::Event::Text(text) if opens => typed.push_str(text),
                 _ => {}
             }
@@ -155,6 +158,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
             let digit = physical_key.filter(|key| DIGITS.contains(key));
             let command = of(key).or_else(|| digit.and_then(of));
             opens = matches!(command, Some(Command::TogglePalette | Command::Ask(_)));
+            is_letter = opens && !modifiers.command && !modifiers.alt;
             commands.extend(command);
         }
         commands

@@ -37,8 +37,8 @@ pub struct Batch {
     pub generation: u64,
     /// Its tiles.
     pub layout: Arc<Layout>,
-    /// The picture's background.
-    pub background: Background,
+    /// The background, where it alone shows between surfaces.
+    pub background: Option<Background>,
     /// The picture's legend.
     pub legend: Option<Arc<Legend>>,
     /// The tiles, in order of arrival.
@@ -83,7 +83,7 @@ struct Inner {
 struct Current {
     generation: u64,
     layout: Arc<Layout>,
-    background: Background,
+    background: Option<Background>,
     legend: Option<Arc<Legend>>,
     slots: Vec<Option<Arrival>>,
     waiting: Vec<usize>,
@@ -150,7 +150,7 @@ impl Outbox {
         &self,
         generation: u64,
         layout: Arc<Layout>,
-        background: Background,
+        background: Option<Background>,
         now: Duration,
     ) {
         let mut inner = self.lock();
@@ -328,7 +328,7 @@ mod tests {
     };
 
     fn begin(outbox: &Outbox, generation: u64, layout: Arc<Layout>, now: Duration) {
-        outbox.begin(generation, layout, Background::default(), now);
+        outbox.begin(generation, layout, Some(Background::default()), now);
     }
 
     fn layout() -> Arc<Layout> {

@@ -8,6 +8,7 @@ use super::priority;
 use super::{SharedClock, Wake};
 use raycast_core::camera::Grid;
 use raycast_core::render::{Cancel, Pass, Passes, Tile, TileStats, View};
+use raycast_core::shade::Background;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -109,6 +110,15 @@ struct Worker {
     layout: (Grid, Arc<Layout>),
 }
 
+/// The background, where it alone shows between surfaces: the ground and lines move with the camera, and a panorama may end
+/// within the picture.
+fn background_alone(view: &View) -> Option<Background> {
+    let shading = &view.settings.shading;
+    let is_alone =
+        shading.ground.is_none() && shading.wireframe.is_none() && view.camera.is_filled();
+    is_alone.then_some(shading.background)
+}
+
 /// Sums over a pass.
 #[derive(Default)]
 struct Sum {
@@ -142,7 +152,7 @@ impl Worker {
             ..Sum::default()
         });
         let layout = Arc::clone(&self.layout.1);
-        let background = request.view.settings.shading.background;
+        let background = background_alone(&request.view);
         let (generation, now) = (request.generation, (self.clock)());
         self.outbox
             .begin(generation, Arc::clone(&layout), background, now);

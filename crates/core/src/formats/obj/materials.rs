@@ -77,9 +77,19 @@ pub(super) fn materials(
     names.extend(has_bare_start.then_some(NONE));
     names.sort_unstable();
     names.dedup();
-    let mut images = names.into_iter().map(image);
-    let first = images.next().flatten();
-    let texture = first.filter(|first| images.all(|image| image.as_ref() == Some(first)));
+    let images: Vec<Option<PathBuf>> = names.into_iter().map(image).collect();
+    let first = images.first().cloned().flatten();
+    let texture = first.filter(|first| images.iter().all(|image| image.as_ref() == Some(first)));
+    let mut others: Vec<&PathBuf> = images.iter().flatten().collect();
+    others.sort_unstable();
+    others.dedup();
+    if texture.is_none() && !others.is_empty() {
+        warnings.push(format!(
+            "{}: an object has one texture, and not all its materials share an image; not shown: {}",
+            quote::path(path),
+            others.len()
+        ));
+    }
     read_opacity_images(path, &mut materials, &used, files, warnings);
     let is_blended = |&&number: &&usize| {
         let opacity = &materials[number].0.material.opacity;

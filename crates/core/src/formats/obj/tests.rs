@@ -117,6 +117,35 @@ fn of_materials_with_one_name_the_last_counts() {
     assert_eq!(obj.texture.as_deref(), Some(Path::new("b.png")));
 }
 
+/// Of objects with several images none is shown, and it is said.
+#[test]
+fn images_that_are_not_shown_are_counted() {
+    let library = "newmtl x\nmap_Kd a.png\nnewmtl y\nmap_Kd b.png\nnewmtl z\nKd 1 0 0\n";
+    let budget = Budget::default();
+    let resolve = |name: &str| (name == "a.mtl").then(|| library.into());
+    let files = Held::new(&resolve, &budget);
+    let read_with = |materials: [&str; 2]| {
+        let [first, second] = materials;
+        let text = format!(
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl {first}\nf 1 2 3\nusemtl {second}\nf 3 2 1\n"
+        );
+        read(Path::new("a.obj"), text.as_bytes(), &files, &|_| ()).expect("a good file")
+    };
+    for (materials, count) in [(["x", "y"], 2), (["x", "z"], 1)] {
+        let obj = read_with(materials);
+        assert_eq!(obj.texture, None);
+        let [warning] = &obj.warnings[..] else {
+            panic!("{:?}", obj.warnings)
+        };
+        assert!(
+            warning.ends_with(&format!("not shown: {count}")),
+            "{warning}"
+        );
+    }
+    assert!(read_with(["z", "z"]).warnings.is_empty());
+    assert!(read_with(["x", "x"]).warnings.is_empty());
+}
+
 #[test]
 fn materials_are_masks_or_blended() {
     let library = "newmtl leaf\nmap_d leaf.pgm\nnewmtl glass\nTr 0.75\nmap_d leaf.pgm\n\

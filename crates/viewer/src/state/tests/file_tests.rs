@@ -1,6 +1,7 @@
 //! Tests of files, questions and messages.
 
 use super::*;
+use crate::state::cut::PlaneBy;
 
 #[test]
 fn a_bad_file_leaves_everything_as_it_was() {
@@ -400,6 +401,41 @@ fn a_file_read_again_keeps_the_camera_and_what_a_person_changed() {
     receive(&mut state, News::Loaded(again), Duration::ZERO);
     assert_eq!(state.question, Some(Pending::Open));
     assert_eq!(names(&state).len(), 1);
+}
+
+#[test]
+fn a_file_that_is_only_read_again_has_nothing_to_save() {
+    let mut state = opened(2);
+    let News::Loaded(mut again) = loaded(2, None) else {
+        panic!("it is a scene");
+    };
+    again.keep = Keep::All;
+    receive(&mut state, News::Loaded(again), Duration::ZERO);
+    assert!(!state.has_unsaved());
+    update(&mut state, Command::AddPlane(PlaneBy::Axis(0)));
+    assert!(state.has_unsaved(), "a plane would be lost");
+    update(&mut state, Command::Undo);
+    assert!(!state.has_unsaved());
+    update(&mut state, Command::SetVisible(0, false));
+    assert!(state.has_unsaved());
+}
+
+#[test]
+fn files_that_cannot_be_opened_are_stepped_over() {
+    let mut state = opened(1);
+    let step = |state: &mut State, by: i32| match update(state, Command::OpenNeighbor(by)) {
+        Some(Effect::OpenNeighbor(_, step)) => step,
+        other => panic!("{other:?}"),
+    };
+    let bad = || News::NotOpened("b.obj:1: no number".to_owned());
+    assert_eq!(step(&mut state, 1), 1);
+    receive(&mut state, bad(), Duration::ZERO);
+    assert_eq!(step(&mut state, 1), 2);
+    receive(&mut state, bad(), Duration::ZERO);
+    assert_eq!(step(&mut state, -1), 1);
+    assert_eq!(step(&mut state, -1), -1, "not the one that is open");
+    receive(&mut state, loaded(1, None), Duration::ZERO);
+    assert_eq!(step(&mut state, 1), 1);
 }
 
 #[test]
