@@ -33,6 +33,8 @@
 //! * **Exact factors.** From an eye that is not off, P₀·n is computed exactly where its sign is not clear, and P×Q where an
 //!   edge function is off by more than [`COARSE`] of itself: planes, or edges' lines, that pass the eye within
 //!   roundings. Each is rounded once, by 1.01ε of itself: the bound of products stays 12ε, and 4ε is taken for P₀·n.
+//!   Neither has a test of its own: the latter is far below [`LINEAR_ERROR`], by which the key is off too, and of the nine
+//!   roundings in the former the 20εB along rays have room for eight.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!
