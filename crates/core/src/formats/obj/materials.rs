@@ -35,7 +35,8 @@ pub(super) fn index_by_name(materials: &Materials) -> HashMap<&str, u32> {
         .collect()
 }
 
-/// The materials of the file's libraries; and the image, if those of all faces name the same one.
+/// The materials of the file's libraries; and the image, if those of all faces name the same one. Otherwise each
+/// material that a face has gets its own image.
 pub(super) fn materials(
     path: &Path,
     text: &ObjText,
@@ -52,12 +53,9 @@ pub(super) fn materials(
         materials.extend(read.into_iter().map(|material| (material, library.clone())));
     }
     let numbers = index_by_name(&materials);
-    let material = |name: u32| {
-        let name = text.materials.get(name as usize)?;
-        materials.get(*numbers.get(name.as_str())? as usize)
-    };
-    let unknown = (0..text.materials.len() as u32)
-        .filter(|&name| material(name).is_none())
+    let number = |name: &String| numbers.get(name.as_str()).map(|&number| number as usize);
+    let unknown = (text.materials.iter())
+        .filter(|name| number(name).is_none())
         .count();
     if !materials.is_empty() && unknown > 0 {
         warnings.push(format!(
@@ -65,32 +63,21 @@ pub(super) fn materials(
             quote::path(path)
         ));
     }
-    let used: Vec<usize> = (text.materials.iter())
-        .filter_map(|name| numbers.get(name.as_str()).map(|&number| number as usize))
-        .collect();
-    let image = |name: u32| {
-        let (material, library) = material(name)?;
-        Some(beside(library, material.texture.as_deref()?))
-    };
-    let has_bare_start = text.material_runs.first().is_none_or(|run| run.0 > 0);
-    let mut names: Vec<u32> = text.material_runs.iter().map(|run| run.1).collect();
-    names.extend(has_bare_start.then_some(NONE));
-    names.sort_unstable();
-    names.dedup();
-    let images: Vec<Option<PathBuf>> = names.into_iter().map(image).collect();
-    let first = images.first().cloned().flatten();
-    let texture = first.filter(|first| images.iter().all(|image| image.as_ref() == Some(first)));
-    let mut others: Vec<&PathBuf> = images.iter().flatten().collect();
-    others.sort_unstable();
-    others.dedup();
-    if texture.is_none() && !others.is_empty() {
-        warnings.push(format!(
-            "{}: an object has one texture, and not all its materials share an image; not shown: {}",
-            quote::path(path),
-            others.len()
-        ));
+    let mut used: Vec<usize> = text.materials.iter().filter_map(number).collect();
+    used.sort_unstable();
+    used.dedup();
+    let texture = common_image(text, &materials);
+    let mut images = Images::new(path, files, warnings);
+    if texture.is_none() {
+        for &number in &used {
+            let (material, library) = &mut materials[number];
+            if let Some(name) = &material.texture {
+                let image = images.read(&beside(library, name), "image", name);
+                material.material.texture = image;
+            }
+        }
     }
-    read_opacity_images(path, &mut materials, &used, files, warnings);
+    read_opacity_images(&mut materials, &used, &mut images);
     let is_blended = |&&number: &&usize| {
         let opacity = &materials[number].0.material.opacity;
         matches!(opacity, Opacity::Blend(_))
@@ -102,39 +89,94 @@ pub(super) fn materials(
     (materials, texture)
 }
 
+/// The image that the materials of all faces name.
+fn common_image(text: &ObjText, materials: &Materials) -> Option<PathBuf> {
+    let numbers = index_by_name(materials);
+    let image = |name: u32| {
+        let name = text.materials.get(name as usize)?;
+        let (material, library) = materials.get(*numbers.get(name.as_str())? as usize)?;
+        Some(beside(library, material.texture.as_deref()?))
+    };
+    let (first_triangle, first) = *text.material_runs.first()?;
+    let first = image(first).filter(|_| first_triangle == 0)?;
+    let mut names: Vec<u32> = text.material_runs.iter().map(|run| run.1).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mut images = names.into_iter().map(image);
+    images
+        .all(|image| image.as_ref() == Some(&first))
+        .then_some(first)
+}
+
+/// The images of a file's materials, each of which is read once.
+struct Images<'f> {
+    path: &'f Path,
+    files: &'f dyn Files,
+    warnings: &'f mut Vec<String>,
+    /// `None` for one that cannot be read, of which a warning says why.
+    known: HashMap<PathBuf, Option<Arc<Texture>>>,
+}
+
+impl<'f> Images<'f> {
+    fn new(path: &'f Path, files: &'f dyn Files, warnings: &'f mut Vec<String>) -> Self {
+        Self {
+            path,
+            files,
+            warnings,
+            known: HashMap::new(),
+        }
+    }
+
+    /// An image; `what` and the name by which the library calls it are for the warning.
+    fn read(&mut self, file: &Path, what: &str, name: &str) -> Option<Arc<Texture>> {
+        if let Some(known) = self.known.get(file) {
+            return known.clone();
+        }
+        let read = (self.files)
+            .read(file, NamedBy::Mesh(self.path), &|_| ())
+            .and_then(|bytes| texture::decode(file, &bytes, self.files.budget()));
+        let image = match read {
+            Ok(image) => Some(Arc::new(image)),
+            Err(error) => {
+                self.warn(what, name, &error);
+                None
+            }
+        };
+        self.known.insert(file.to_owned(), image.clone());
+        image
+    }
+
+    fn warn(&mut self, what: &str, name: &str, error: &FormatError) {
+        let (path, name, why) = (quote::path(self.path), quote(name), error.reason());
+        (self.warnings).push(format!(
+            "{path}: its {what} in {name} cannot be read: {why}"
+        ));
+    }
+}
+
 /// Reads the opacity images of the used materials. A material whose library gives no other opacity becomes a mask;
 /// otherwise the image's alpha is part of its blending.
-fn read_opacity_images(
-    path: &Path,
-    materials: &mut Materials,
-    used: &[usize],
-    files: &dyn Files,
-    warnings: &mut Vec<String>,
-) {
-    let mut images: HashMap<PathBuf, Option<Arc<Texture>>> = HashMap::new();
+fn read_opacity_images(materials: &mut Materials, used: &[usize], images: &mut Images<'_>) {
+    let mut known: HashMap<PathBuf, Option<Arc<Texture>>> = HashMap::new();
     for &number in used {
         let (material, library) = &mut materials[number];
         let Some(name) = &material.opacity else {
             continue;
         };
         let file = beside(library, name);
-        let image = images.entry(file).or_insert_with_key(|file| {
-            let read = files
-                .read(file, NamedBy::Mesh(path), &|_| ())
-                .and_then(|bytes| texture::decode(file, &bytes, files.budget()))
-                .and_then(|image| alpha_image(file, image, files.budget()));
-            match read {
-                Ok(image) => Some(Arc::new(image)),
-                Err(error) => {
-                    let (path, name, why) = (quote::path(path), quote(name), error.reason());
-                    warnings.push(format!(
-                        "{path}: its opacity in {name} cannot be read: {why}"
-                    ));
-                    None
-                }
+        let image = match known.get(&file) {
+            Some(image) => image.clone(),
+            None => {
+                let image = images.read(&file, "opacity", name).and_then(|image| {
+                    alpha_image(&file, image, images.files.budget())
+                        .map_err(|error| images.warn("opacity", name, &error))
+                        .ok()
+                });
+                known.insert(file, image.clone());
+                image
             }
-        });
-        let Some(image) = image.clone() else { continue };
+        };
+        let Some(image) = image else { continue };
         material.material.opacity = match &material.material.opacity {
             Opacity::Blend(alpha) => Opacity::Blend(Alpha {
                 image: Some(image),
@@ -152,14 +194,23 @@ fn read_opacity_images(
 }
 
 /// The alpha of an opacity image: its alpha channel if it has one, else its red channel, which is its grey.
-fn alpha_image(path: &Path, image: Texture, budget: &Budget) -> Result<Texture, FormatError> {
+fn alpha_image(
+    path: &Path,
+    image: Arc<Texture>,
+    budget: &Budget,
+) -> Result<Arc<Texture>, FormatError> {
     let texels = image.texels();
     if texels.iter().any(|texel| texel[3] < u8::MAX) {
         return Ok(image);
     }
-    let _copy = budget.share(path, "the image's opacity", size_of_val(texels) as u64)?;
+    let bytes = size_of_val(texels) as u64;
+    let share = budget.share(path, "the image's opacity", bytes)?;
     let texels = texels.iter().map(|&[grey, ..]| [grey; 4]).collect();
-    Ok(Texture::new(image.width(), image.height(), texels).unwrap_or(image))
+    let Some(opacity) = Texture::new(image.width(), image.height(), texels) else {
+        return Ok(image);
+    };
+    share.keep(bytes);
+    Ok(Arc::new(opacity))
 }
 
 /// The index of the material's name of every triangle.

@@ -15,7 +15,7 @@ pub(super) struct MtlMaterial {
     pub(super) opacity: Option<String>,
 }
 
-/// Keywords of a library that are not shown, and the number of materials with each.
+/// Keywords of a library and options of its images that are not shown, and the number of materials with each.
 pub(super) type Unused = BTreeMap<String, usize>;
 
 /// The most keywords that are listed by name.
@@ -55,7 +55,12 @@ pub(super) fn read(
                 clean.push_str(&format!("{keyword} {rest}\n"));
                 looks.push(Look::default());
             }
-            "map_Kd" | "map_d" => clean.push_str(&format!("{keyword} {rest}\n")),
+            "map_Kd" | "map_d" => {
+                clean.push_str(&format!("{keyword} {rest}\n"));
+                if rest.starts_with('-') {
+                    *unused.entry(format!("options of {keyword}")).or_default() += 1;
+                }
+            }
             "Kd" => match diffuse(rest) {
                 Some([r, g, b]) => clean.push_str(&format!("Kd {r} {g} {b}\n")),
                 None => warn("one or three numbers behind `Kd`"),
@@ -243,7 +248,8 @@ mod tests {
         let text = b"\xef\xbb\xbf# caf\xe9\nKd 1 1 1\nnewmtl red one\n Kd 1.0 0.5 -3 \nKs 1\n\
             newmtl grey\r\nKd 0.2\nnewmtl plain\nmap_Kd -s 1 1 1 -bm 0.3 my wood.png\n";
         let mut warnings = Vec::new();
-        let materials = read(Path::new("a.mtl"), text, &mut warnings, &mut Unused::new());
+        let mut unused = Unused::new();
+        let materials = read(Path::new("a.mtl"), text, &mut warnings, &mut unused);
         let colors: Vec<_> = materials
             .iter()
             .map(|m| (m.material.name.as_str(), m.material.color))
@@ -257,6 +263,7 @@ mod tests {
             ]
         );
         assert_eq!(materials[2].texture.as_deref(), Some("my wood.png"));
+        assert_eq!(unused, Unused::from([("options of map_Kd".to_owned(), 1)]));
         assert!(warnings.is_empty(), "{warnings:?}");
     }
 

@@ -6,6 +6,7 @@ use crate::formats::held::Held;
 use crate::formats::limits::Budget;
 use crate::scene::{Alpha, Color, Opacity, Texture};
 use glam::{DVec3, Vec2, Vec3};
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -117,33 +118,63 @@ fn of_materials_with_one_name_the_last_counts() {
     assert_eq!(obj.texture.as_deref(), Some(Path::new("b.png")));
 }
 
-/// Of objects with several images none is shown, and it is said.
+/// Where not all faces share an image, each material of a face has its own; each file is read once.
 #[test]
-fn images_that_are_not_shown_are_counted() {
-    let library = "newmtl x\nmap_Kd a.png\nnewmtl y\nmap_Kd b.png\nnewmtl z\nKd 1 0 0\n";
+fn materials_have_images_of_their_own() {
+    let library = "newmtl x\nmap_Kd a.ppm\nnewmtl y\nmap_Kd b.ppm\nnewmtl z\nKd 1 0 0\n\
+        newmtl x again\nmap_Kd a.ppm\nmap_d a.ppm\nnewmtl lost\nmap_Kd no.ppm\n\
+        newmtl unused\nmap_Kd c.ppm\n";
     let budget = Budget::default();
-    let resolve = |name: &str| (name == "a.mtl").then(|| library.into());
+    let reads = RefCell::new(Vec::new());
+    let resolve = |name: &str| {
+        reads.borrow_mut().push(name.to_owned());
+        match name {
+            "a.mtl" => Some(library.into()),
+            "a.ppm" => Some(b"P6 1 1 255 \x01\x02\x03".to_vec()),
+            "b.ppm" => Some(b"P6 1 1 255 \x04\x05\x06".to_vec()),
+            _ => None,
+        }
+    };
     let files = Held::new(&resolve, &budget);
     let read_with = |materials: [&str; 2]| {
         let [first, second] = materials;
         let text = format!(
             "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl {first}\nf 1 2 3\nusemtl {second}\nf 3 2 1\n"
         );
+        reads.borrow_mut().clear();
         read(Path::new("a.obj"), text.as_bytes(), &files, &|_| ()).expect("a good file")
     };
-    for (materials, count) in [(["x", "y"], 2), (["x", "z"], 1)] {
+    let images = |obj: &Obj| {
+        let image = |&number: &u32| {
+            let texture = obj.mesh.materials[number as usize].texture.as_ref();
+            texture.map(|texture| texture.texels()[0])
+        };
+        let of_triangles = &obj.mesh.material_of_triangle;
+        of_triangles.iter().map(image).collect::<Vec<_>>()
+    };
+    let (a, b) = (Some([1, 2, 3, 255]), Some([4, 5, 6, 255]));
+    for (materials, expected, files) in [
+        (["x", "y"], [a, b], &["a.mtl", "a.ppm", "b.ppm"][..]),
+        (["z", "x"], [None, a], &["a.mtl", "a.ppm"]),
+        (["x", "lost"], [a, None], &["a.mtl", "a.ppm", "no.ppm"]),
+    ] {
         let obj = read_with(materials);
         assert_eq!(obj.texture, None);
-        let [warning] = &obj.warnings[..] else {
-            panic!("{:?}", obj.warnings)
-        };
-        assert!(
-            warning.ends_with(&format!("not shown: {count}")),
-            "{warning}"
-        );
+        assert_eq!(images(&obj), expected);
+        assert_eq!(*reads.borrow(), files);
+        let lost = materials.contains(&"lost");
+        assert_eq!(obj.warnings.len(), usize::from(lost), "{:?}", obj.warnings);
+        if let Some(warning) = obj.warnings.first() {
+            let start = "a.obj: its image in \"no.ppm\" cannot be read: ";
+            assert!(warning.starts_with(start), "{warning}");
+        }
     }
+    // The same image everywhere is the object's, and is read with it; but for its opacity.
+    let obj = read_with(["x", "x again"]);
+    assert_eq!(obj.texture.as_deref(), Some(Path::new("a.ppm")));
+    assert_eq!(images(&obj), [None, None]);
+    assert_eq!(*reads.borrow(), ["a.mtl", "a.ppm"]);
     assert!(read_with(["z", "z"]).warnings.is_empty());
-    assert!(read_with(["x", "x"]).warnings.is_empty());
 }
 
 #[test]
