@@ -67,7 +67,7 @@ fn a_scene_of_several_objects_is_converted_in_its_places() {
     let obj = folder.path().join("demo.obj");
     let message = convert(&demo, &obj, &[]);
     assert!(
-        message.errors.contains("not kept: textures of"),
+        message.errors.contains("not kept: images of"),
         "{}",
         message.errors
     );
@@ -75,6 +75,44 @@ fn a_scene_of_several_objects_is_converted_in_its_places() {
     let ply = folder.path().join("demo.ply");
     convert(&demo, &ply, &[]);
     assert!(picture(&obj) == picture(&ply));
+}
+
+/// Each material of an OBJ shows its image, and a GLB made of it gives the same picture.
+#[test]
+fn images_of_materials_are_shown_and_converted() {
+    let folder = folder();
+    let library = "newmtl a\nmap_Kd red.ppm\nnewmtl b\nmap_Kd blue.ppm\nnewmtl c\nKd 0 1 0\n";
+    write(folder.path(), "three.mtl", library);
+    write(folder.path(), "red.ppm", "P3 1 1 255 250 0 0\n");
+    write(folder.path(), "blue.ppm", "P3 1 1 255 0 0 251\n");
+    let strip = |x: usize, material: &str| {
+        let (left, right) = (x, x + 1);
+        format!(
+            "v {left} 0 0\nv {right} 0 0\nv {right} 3 0\nv {left} 3 0\nvt 0.5 0.5\nusemtl {material}\n\
+             f -4/-1 -3/-1 -2/-1\nf -4/-1 -2/-1 -1/-1\n"
+        )
+    };
+    let strips = strip(0, "a") + &strip(1, "b") + &strip(2, "c");
+    let obj = write(
+        folder.path(),
+        "three.obj",
+        format!("mtllib three.mtl\n{strips}"),
+    );
+    let glb = folder.path().join("three.glb");
+    let message = convert(&obj, &glb, &[]);
+    assert_eq!(message.errors, "");
+    for mesh in [&obj, &glb] {
+        let picture = folder.path().join("a.ppm");
+        let mut arguments = arguments!["render", mesh, "-o", &picture];
+        let camera =
+            "--projection orthographic --size 3x3 --step 1 --eye 1.5,1.5,5 --target 1.5,1.5,0";
+        let camera = camera.split(' ').chain(["--mode", "texture"]);
+        arguments.extend(camera.map(OsString::from));
+        succeed(&arguments);
+        let bytes = bytes(&picture);
+        let row: Vec<_> = bytes[bytes.len() - 9..].as_chunks::<3>().0.to_vec();
+        assert_eq!(row, [[250, 0, 0], [0, 0, 251], [0, 255, 0]], "{mesh:?}");
+    }
 }
 
 #[test]

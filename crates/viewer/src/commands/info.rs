@@ -8,10 +8,11 @@ use crate::progress::TerminalProgress;
 use crate::stats::{json, milliseconds};
 use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::scene::{Bounds, Dropped, Object, Scalar, ScalarAt};
+use raycast_core::scene::{Bounds, Dropped, Object, Scalar, ScalarAt, Texture};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// The contents of a file.
@@ -47,6 +48,9 @@ struct ObjectInfo {
     normals: bool,
     uvs: bool,
     materials: Vec<String>,
+    /// Width and height of each material's own texture; empty where none has one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    material_textures: Vec<Option<[u32; 2]>>,
     /// Width and height of its texture.
     texture: Option<[u32; 2]>,
     /// The offset of the recentred mesh.
@@ -153,7 +157,14 @@ impl BoundsInfo {
 impl From<&Object> for ObjectInfo {
     fn from(object: &Object) -> Self {
         let mesh = &object.mesh;
-        let texture = object.texture.as_ref();
+        let size = |texture: &Arc<Texture>| [texture.width(), texture.height()];
+        let of_materials = mesh.materials().iter();
+        let mut material_textures: Vec<_> = of_materials
+            .map(|material| material.texture.as_ref().map(size))
+            .collect();
+        if material_textures.iter().all(Option::is_none) {
+            material_textures.clear();
+        }
         let rounding = mesh.rounding();
         Self {
             name: object.name.clone(),
@@ -164,7 +175,8 @@ impl From<&Object> for ObjectInfo {
             normals: mesh.has_normals(),
             uvs: mesh.has_uvs(),
             materials: mesh.materials().iter().map(|m| m.name.clone()).collect(),
-            texture: texture.map(|texture| [texture.width(), texture.height()]),
+            material_textures,
+            texture: object.texture.as_ref().map(size),
             offset: mesh.offset().to_array(),
             rounding: RoundingInfo {
                 distance: rounding.distance,
@@ -303,7 +315,13 @@ fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bo
         line("scalar", scalar.description());
     }
     if !object.materials.is_empty() {
-        line("materials", first_few(&object.materials));
+        let mut textures = object.material_textures.iter();
+        let name = |name: &String| match textures.next() {
+            Some(&Some([width, height])) => format!("{name} (texture {width}x{height})"),
+            _ => name.clone(),
+        };
+        let names: Vec<String> = object.materials.iter().map(name).collect();
+        line("materials", first_few(&names));
     }
     if let Some([width, height]) = object.texture {
         line("texture", format!("{width}x{height}"));

@@ -1,11 +1,13 @@
 //! Binary glTF 2.0 (Khronos Group, "glTF 2.0 Specification", 2021).
 
+use super::glb_materials::Materials;
 use super::parts::{JoinedMesh, Part, Parts};
 use super::written::{WriteError, Written};
-use crate::scene::{Alpha, Color, Opacity};
+use crate::scene::{Color, Material, TextureProjection};
 use crate::shade::srgb::linear;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 /// The most primitives of an object. Triangles keep their order, so each run of triangles of one material is a
@@ -41,14 +43,21 @@ pub(super) fn write(
             .push("materials that change too often".to_owned());
     }
     let mut tables = Tables::default();
+    let mut materials = Materials::default();
     for object in &objects {
-        object.describe(&mut tables);
+        object.describe(&mut tables, &mut materials)?;
     }
+    written.lost.extend(materials.lost());
+    let images = std::mem::take(&mut materials.images);
+    let image_list = images.iter().map(|image| {
+        let view = tables.image_view(image.len() as u64);
+        json!({ "bufferView": view, "mimeType": "image/png" })
+    });
+    let image_list = image_list.collect();
     let Tables {
         bytes,
         views,
         accessors,
-        materials,
         meshes,
         nodes,
     } = tables;
@@ -61,7 +70,10 @@ pub(super) fn write(
     // glTF's lists must not be empty.
     for (name, list) in [
         ("meshes", meshes),
-        ("materials", materials),
+        ("materials", materials.materials),
+        ("textures", materials.textures),
+        ("samplers", materials.samplers),
+        ("images", image_list),
         ("accessors", accessors),
         ("bufferViews", views),
     ] {
@@ -92,6 +104,10 @@ pub(super) fn write(
         for object in &objects {
             object.write(out)?;
         }
+        for image in &images {
+            out.write_all(image)?;
+            out.write_all(&[0; 3][..image.len().next_multiple_of(4) - image.len()])?;
+        }
     }
     parts.count_moves(written, |part, position| {
         part.offset + (position - part.offset).as_vec3().as_dvec3()
@@ -105,7 +121,6 @@ struct Tables {
     bytes: u64,
     views: Vec<Value>,
     accessors: Vec<Value>,
-    materials: Vec<Value>,
     meshes: Vec<Value>,
     nodes: Vec<Value>,
 }
@@ -120,6 +135,17 @@ impl Tables {
             "target": target,
         }));
         self.bytes += bytes;
+        self.views.len() - 1
+    }
+
+    /// Adds a view of an image's bytes, and padding to four; returns its index.
+    fn image_view(&mut self, bytes: u64) -> usize {
+        self.views.push(json!({
+            "buffer": 0,
+            "byteOffset": self.bytes,
+            "byteLength": bytes,
+        }));
+        self.bytes += bytes.next_multiple_of(4);
         self.views.len() - 1
     }
 
@@ -179,7 +205,7 @@ impl<'p, 's> Object<'p, 's> {
     }
 
     /// Adds the description of the bytes that [`Object::write`] writes.
-    fn describe(&self, tables: &mut Tables) {
+    fn describe(&self, tables: &mut Tables, materials: &mut Materials) -> Result<(), WriteError> {
         let part = self.part;
         let mut node = json!({ "name": part.name });
         if part.offset != DVec3::ZERO {
@@ -187,7 +213,7 @@ impl<'p, 's> Object<'p, 's> {
         }
         if part.triangles.is_empty() {
             tables.nodes.push(node);
-            return;
+            return Ok(());
         }
         let vertices = &self.join_attributes.vertices;
         let count = vertices.len();
@@ -225,43 +251,11 @@ impl<'p, 's> Object<'p, 's> {
         if self.colors.is_some() {
             attribute(tables, "COLOR_0", "VEC4", 8, false);
         }
-        let first_material = tables.materials.len();
-        let used: &[_] = if self.runs.iter().any(|(_, material)| material.is_some()) {
-            part.mesh.materials()
-        } else {
-            &[]
-        };
-        tables.materials.extend(used.iter().map(|material| {
-            let [r, g, b] = linear(material.color).to_array();
-            // Images are not written, and a mask without its image would be all or nothing.
-            let (mode, a) = match &material.opacity {
-                Opacity::Blend(Alpha { factor, .. }) => ("BLEND", *factor),
-                Opacity::Opaque | Opacity::Mask { .. } => ("OPAQUE", 1.0),
-            };
-            let mut written = json!({
-                "name": material.name,
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": [r, g, b, a],
-                    "metallicFactor": 0.0,
-                },
-                "doubleSided": true,
-            });
-            if mode != "OPAQUE" {
-                written["alphaMode"] = mode.into();
-            }
-            if let Some(known) = &material.reflectance {
-                let pbr = &mut written["pbrMetallicRoughness"];
-                pbr["metallicFactor"] = known.metallic.into();
-                pbr["roughnessFactor"] = known.roughness.into();
-                // glTF needs an extension for emission above 1.
-                written["emissiveFactor"] = json!(known.emission.map(|light| light.min(1.0)));
-            }
-            written
-        }));
         let triangles = self.join_attributes.triangles.len();
         let view = tables.view(12 * triangles as u64, ELEMENT_ARRAY_BUFFER);
         let ends = self.runs.iter().skip(1).map(|run| run.0).chain([triangles]);
         let mut primitives = Vec::new();
+        let mut written: HashMap<Option<u32>, Option<usize>> = HashMap::new();
         for (&(first, material), end) in self.runs.iter().zip(ends) {
             let indices = tables.accessor(json!({
                 "bufferView": view,
@@ -270,9 +264,25 @@ impl<'p, 's> Object<'p, 's> {
                 "count": 3 * (end - first),
                 "type": "SCALAR",
             }));
+            let index = match written.get(&material) {
+                Some(index) => *index,
+                None => {
+                    let index = self.material(materials, material)?;
+                    written.insert(material, index);
+                    index
+                }
+            };
             let mut primitive = json!({ "attributes": attributes, "indices": indices });
-            if let Some(material) = material {
-                primitive["material"] = (first_material + material as usize).into();
+            if let Some(index) = index {
+                primitive["material"] = index.into();
+            }
+            let own = material.and_then(|material| self.own_material(material));
+            let is_textured = part.object.texture.is_some();
+            if is_textured || own.is_some_and(|own| own.texture.is_some() && !own.by_vertex) {
+                // glTF would multiply the image by them.
+                primitive["attributes"]
+                    .as_object_mut()
+                    .map(|attributes| attributes.remove("COLOR_0"));
             }
             primitives.push(primitive);
         }
@@ -281,6 +291,27 @@ impl<'p, 's> Object<'p, 's> {
             .push(json!({ "name": part.name, "primitives": primitives }));
         node["mesh"] = (tables.meshes.len() - 1).into();
         tables.nodes.push(node);
+        Ok(())
+    }
+
+    fn own_material(&self, index: u32) -> Option<&Material> {
+        self.part.mesh.materials().get(index as usize)
+    }
+
+    /// Adds the material of a run of triangles; `None` where nothing is to be said of it.
+    fn material(
+        &self,
+        materials: &mut Materials,
+        index: Option<u32>,
+    ) -> Result<Option<usize>, WriteError> {
+        let object = self.part.object;
+        let own = index.and_then(|index| self.own_material(index));
+        if own.is_none() && object.texture.is_none() {
+            return Ok(None);
+        }
+        let projection = object.mapping.projection.unwrap_or_default();
+        let has_uvs = self.part.mesh.has_uvs() && projection == TextureProjection::Uv;
+        materials.add(object, own, has_uvs).map(Some)
     }
 
     /// Writes the object's part of the buffer.

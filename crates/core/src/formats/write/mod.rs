@@ -1,6 +1,7 @@
 //! Writing a scene's meshes to a mesh file, transformed to world space.
 
 mod glb;
+mod glb_materials;
 mod obj;
 mod parts;
 mod ply;
@@ -8,7 +9,7 @@ mod stl;
 mod triangle_text;
 mod written;
 
-use crate::scene::Scene;
+use crate::scene::{Material, Object, Scene};
 use parts::Parts;
 use std::io::{self, Write};
 use std::path::Path;
@@ -74,13 +75,13 @@ pub fn write_meshes(
         MeshFormat::Glb => glb::write(&parts, out, &mut written),
         MeshFormat::TriangleText => triangle_text::write(&parts, out, &mut written),
     }?;
-    let textures = scene
+    let textured = scene
         .objects
         .iter()
-        .filter(|object| object.texture.is_some())
+        .filter(|object| has_image(object))
         .count();
-    if textures > 0 {
-        written.lost.push(format!("textures of {textures} objects"));
+    if textured > 0 && format != MeshFormat::Glb {
+        written.lost.push(format!("images of {textured} objects"));
     }
     let mut objects = scene.objects.iter();
     let has_scalars = objects.any(|object| !object.mesh.scalars().is_empty());
@@ -90,6 +91,19 @@ pub fn write_meshes(
             .push("scalars of vertices and triangles".to_owned());
     }
     Ok(written)
+}
+
+/// Whether any image is part of an object's look.
+fn has_image(object: &Object) -> bool {
+    let mut materials = object.mesh.materials().iter();
+    let has_image = |material: &Material| {
+        let alpha = material.opacity.alpha();
+        let reflectance = material.reflectance.as_ref();
+        material.texture.is_some()
+            || alpha.is_some_and(|alpha| alpha.image.is_some())
+            || reflectance.is_some_and(|reflectance| reflectance.has_textures())
+    };
+    object.texture.is_some() || materials.any(has_image)
 }
 
 /// Writes the material library (MTL) for what [`write_meshes`] writes as OBJ; returns whether there are any

@@ -21,6 +21,7 @@ pub(super) struct Parts<'s> {
 
 /// An object's mesh in world space.
 pub(super) struct Part<'s> {
+    pub(super) object: &'s Object,
     pub(super) name: &'s str,
     pub(super) mesh: &'s Mesh,
     /// Vertices in world space; zero for those that cannot be written.
@@ -224,6 +225,7 @@ impl<'s> Part<'s> {
             indices: normals.indices.clone(),
         });
         let mut part = Self {
+            object,
             name: &object.name,
             mesh,
             positions,
