@@ -83,24 +83,26 @@ fn a_picture_in_bands_is_the_stitched_one_and_the_same_for_any_split() {
 #[test]
 fn memory_does_not_grow_with_the_picture() {
     let folder = folder();
-    let peak = |name: &str, size: &str| {
+    let peak = |name: &str, size: &str, more: &[&str]| {
         let stats = folder.path().join("stats.json");
         let output = folder.path().join(name);
-        render(
-            &output,
-            &["--size", size, "--stats", &stats.to_string_lossy()],
-        );
+        let path = stats.to_string_lossy();
+        let options = [&["--size", size, "--stats", &path], more].concat();
+        render(&output, &options);
         let stats: serde_json::Value = serde_json::from_slice(&bytes(&stats)).expect("JSON");
         stats["peak_bytes"].as_u64().expect("a number")
     };
-    let small = peak("small.png", "64x64");
+    let small = peak("small.png", "64x64", &[]);
     // In one piece these are 300 MB to 2 GB more.
-    for (name, size) in [
-        ("a.ppm", "8192x8192"),
-        ("a.tif", "8192x8192"),
-        ("a.exr", "4096x2048"),
+    let fragment = ["--tiles", "2x2", "--sub-camera", "1,1"];
+    for (name, size, options) in [
+        ("a.ppm", "8192x8192", &[][..]),
+        ("a.tif", "8192x8192", &[]),
+        ("a.exr", "4096x2048", &[]),
+        ("part.exr", "8192x4096", &fragment),
+        ("part.png", "16384x16384", &fragment),
     ] {
-        let more = peak(name, size).saturating_sub(small);
+        let more = peak(name, size, options).saturating_sub(small);
         assert!(
             more < 200 << 20,
             "{name}: {more} bytes more than the smallest"

@@ -206,11 +206,11 @@ fn recipes_hang_on_nothing_but_the_picture() {
 #[test]
 fn pictures_beyond_memory_are_refused() {
     let folder = folder();
-    // Files of one piece: a JPEG, and fragments. Others are made in bands.
-    let fragment = ["--tiles", "1x1", "--sub-camera", "0,0"];
+    // Files of one piece: a JPEG, and pictures that are not finished. Others are made in bands.
+    let unfinished = ["--unfinished", "1"];
     for (name, size, more) in [
-        ("a.exr", "16384x16384", &fragment[..]),
-        ("a.png", "32768x32768", &fragment),
+        ("a.tif", "32768x32768", &unfinished[..]),
+        ("a.png", "32768x32768", &unfinished),
         ("a.jpg", "32768x32768", &[]),
     ] {
         let output = folder.path().join(name);

@@ -3,8 +3,12 @@
 use super::band::{Band, BandSizes, Source, length};
 use super::file::Tags;
 use super::fragment_position::FragmentPosition;
-use super::{Format, ImageError, OutOfMemory, Picture, Recipe, exr, opaque, png_bands, ppm, tiff};
+use super::{
+    Format, ImageError, OutOfMemory, Picture, PixelDigest, Recipe, exr, opaque, png_bands, ppm,
+    tiff,
+};
 use crate::camera::Rect;
+use crate::digest::Digest;
 
 /// The most pixels of a PNG that is encoded as one deflate stream. A larger one restarts the stream at each band,
 /// which gives other bytes for the same pixels.
@@ -56,10 +60,13 @@ impl Format {
 /// ```
 #[derive(Debug)]
 pub struct Bands {
+    format: Format,
     size: (u32, u32),
     /// Rows of each band except the last.
     rows: u32,
     kind: Kind,
+    /// Of a fragment: the full picture's recipe, and its position, with a placeholder for the pixels' checksum.
+    fragment: Option<Box<(Recipe, FragmentPosition)>>,
 }
 
 #[derive(Debug)]
@@ -88,6 +95,41 @@ impl Bands {
             position: None,
         };
         Self::tagged(format, size, is_opaque, tags)
+    }
+
+    /// The bands of a fragment: a rectangle of the picture with this recipe.
+    ///
+    /// # Errors
+    /// As [`Bands::new`]; formats that cannot store fragments; a rectangle outside the picture.
+    pub fn of_fragment(format: Format, rect: Rect, recipe: &Recipe) -> Result<Self, ImageError> {
+        if !matches!(format, Format::Png | Format::Exr) {
+            return Err(ImageError::NotForFragments);
+        }
+        let plane = recipe.camera.plane();
+        let position = FragmentPosition {
+            full_size: (plane.columns, plane.rows),
+            rect,
+            recipe: recipe.digest(),
+            pixels: Digest::of(&[]),
+        };
+        position.check().map_err(ImageError::Encode)?;
+        let tags = Tags {
+            recipe: Some(recipe),
+            position: Some(&position),
+        };
+        let size = (rect.width, rect.height);
+        let bands = Self::tagged(format, size, recipe.is_opaque(), tags)?;
+        Ok(Self {
+            fragment: Some(Box::new((*recipe, position))),
+            ..bands
+        })
+    }
+
+    /// A checksum that all rows of a fragment must be added to, for [`Bands::finish_fragment`]; `None` for a whole
+    /// picture.
+    pub fn pixel_digest(&self) -> Option<PixelDigest> {
+        let has_layers = self.needs_layers();
+        self.fragment.as_ref().map(|_| PixelDigest::new(has_layers))
     }
 
     /// [`Bands::new`] for a whole picture or a fragment.
@@ -124,6 +166,8 @@ impl Bands {
         };
         let most = BAND / u64::from(columns) / u64::from(least) * u64::from(least);
         Ok(Self {
+            format,
+            fragment: None,
             size,
             rows: most.clamp(least.into(), 1 << 16) as u32,
             kind,
@@ -226,6 +270,55 @@ impl Bands {
         })
     }
 
+    /// [`Bands::finish`] for a fragment, whose head stores the checksum of its pixels.
+    ///
+    /// # Errors
+    /// As [`Bands::finish`].
+    pub fn finish_fragment(
+        &self,
+        bands: &[BandSizes],
+        pixels: PixelDigest,
+    ) -> Result<(Vec<u8>, Vec<u8>), ImageError> {
+        let Some((recipe, position)) = self.fragment.as_deref() else {
+            return self.finish(bands);
+        };
+        let position = FragmentPosition {
+            pixels: pixels.finish(),
+            ..*position
+        };
+        let tags = Tags {
+            recipe: Some(recipe),
+            position: Some(&position),
+        };
+        let known = Self::tagged(self.format, self.size, recipe.is_opaque(), tags)?;
+        let rows = self.rows;
+        Self { rows, ..known }.finish(bands)
+    }
+
+    /// The file of a picture in memory.
+    pub(super) fn encode_all(&self, picture: &Picture) -> Result<Vec<u8>, ImageError> {
+        let mut file = self.head();
+        let mut sizes = Vec::with_capacity(self.len());
+        for index in 0..self.len() {
+            let band = self.encode(index, picture, 0)?;
+            let more = band.bytes.len();
+            file.try_reserve(more)
+                .map_err(|_| OutOfMemory { bytes: more as u64 })?;
+            file.extend(band.bytes);
+            sizes.push(band.sizes);
+        }
+        let (head, tail) = match self.pixel_digest() {
+            Some(mut digest) => {
+                digest.add(picture);
+                self.finish_fragment(&sizes, digest)?
+            }
+            None => self.finish(&sizes)?,
+        };
+        file[..head.len()].copy_from_slice(&head);
+        file.extend(tail);
+        Ok(file)
+    }
+
     /// The number of parts of a band.
     pub fn parts(&self, index: usize) -> usize {
         let rect = self.rect(index);
@@ -256,45 +349,45 @@ pub(super) fn encode(
     tags: Tags<'_>,
 ) -> Result<Vec<u8>, ImageError> {
     let is_opaque = picture.pixels.iter().all(|pixel| pixel[3] == u8::MAX);
-    let bands = Bands::tagged(format, (picture.width, picture.height), is_opaque, tags)?;
-    let mut file = bands.head();
-    let mut sizes = Vec::with_capacity(bands.len());
-    for index in 0..bands.len() {
-        let band = bands.encode(index, picture, 0)?;
-        let more = band.bytes.len();
-        file.try_reserve(more)
-            .map_err(|_| OutOfMemory { bytes: more as u64 })?;
-        file.extend(band.bytes);
-        sizes.push(band.sizes);
-    }
-    let (head, tail) = bands.finish(&sizes)?;
-    file[..head.len()].copy_from_slice(&head);
-    file.extend(tail);
-    Ok(file)
+    let size = (picture.width, picture.height);
+    Bands::tagged(format, size, is_opaque, tags)?.encode_all(picture)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::fragment::tests::sample_picture;
+    use super::super::recipe::tests::sample_recipe;
+    use super::super::{Fragment, Part, RowReader};
     use super::*;
 
     /// A file made of bands, each from a picture of its own rows only.
     fn by_bands(picture: &Picture, bands: &Bands) -> Vec<u8> {
+        let (mut file, sizes) = by_bands_with(picture, bands, |_| {});
+        let (head, tail) = bands.finish(&sizes).expect("all are there");
+        file[..head.len()].copy_from_slice(&head);
+        file.extend(tail);
+        file
+    }
+
+    /// The placeholder of a file's head and its bands, with their sizes; `see` sees their rows.
+    fn by_bands_with(
+        picture: &Picture,
+        bands: &Bands,
+        mut see: impl FnMut(&Picture),
+    ) -> (Vec<u8>, Vec<BandSizes>) {
         let mut file = bands.head();
         let mut sizes = Vec::new();
         for index in 0..bands.len() {
             let rect = bands.rect(index);
             let part = cut(picture, rect);
+            see(&part);
             let band = bands.encode(index, &part, rect.y).expect("encodes");
             assert_eq!(band.sizes.bytes(), band.bytes.len() as u64);
             assert_eq!(band, bands.encode(index, picture, 0).expect("encodes"));
             file.extend(band.bytes);
             sizes.push(band.sizes);
         }
-        let (head, tail) = bands.finish(&sizes).expect("all are there");
-        file[..head.len()].copy_from_slice(&head);
-        file.extend(tail);
-        file
+        (file, sizes)
     }
 
     fn cut(picture: &Picture, rect: Rect) -> Picture {
@@ -335,6 +428,67 @@ mod tests {
             assert!(bands.len() > 2);
             assert!(by_bands(&picture, &bands) == picture.encode(format).expect("encodes"));
         }
+    }
+
+    #[test]
+    fn a_fragment_in_bands_is_the_whole_ones_and_its_checksum_is_that_of_all_rows() {
+        let rect = Rect {
+            x: 20,
+            y: 40,
+            width: 30,
+            height: 131,
+        };
+        let recipe = sample_recipe(300, 200);
+        for format in [Format::Exr, Format::Png] {
+            let picture = sample_picture(30, 131, format == Format::Exr);
+            let mut bands = Bands::of_fragment(format, rect, &recipe).expect("bands");
+            bands.rows = 32;
+            let mut digest = bands.pixel_digest().expect("it is a fragment");
+            let file = by_bands_with(&picture, &bands, |rows| digest.add(rows));
+            let sizes = file.1;
+            let (head, tail) = bands.finish_fragment(&sizes, digest).expect("all there");
+            let mut file = file.0;
+            file[..head.len()].copy_from_slice(&head);
+            file.extend(tail);
+            let fragment = Fragment {
+                rect,
+                recipe,
+                picture: picture.clone(),
+            };
+            if format == Format::Exr {
+                assert!(file == fragment.encode(format).expect("encodes"));
+            }
+            assert_eq!(Fragment::decode("a", &file).expect("decodes"), fragment);
+            let open = |file: &[u8]| {
+                RowReader::open(std::io::Cursor::new(file.to_vec()), file.len() as u64)
+            };
+            let mut reader = open(&file).expect("opens");
+            let part = Part::check("a", &mut reader).expect("a fragment");
+            assert_eq!(part, Part::new("a", &fragment));
+
+            // Other pixels with the same head.
+            let mut other = picture.clone();
+            other.pixels[7 * 30] = [1, 2, 3, 4];
+            if let Some(layers) = &mut other.layers {
+                layers.uv[7 * 30] = [-5.0, 5.0];
+            }
+            let (mut damaged, _) = by_bands_with(&other, &bands, |_| {});
+            damaged[..head.len()].copy_from_slice(&head);
+            let tail = by_bands(&other, &bands).split_off(damaged.len());
+            damaged.extend(tail);
+            if format == Format::Exr {
+                // Its table of offsets is in the head.
+                damaged = by_bands(&other, &bands);
+            }
+            let error = open(&damaged).and_then(|mut reader| reader.rows(131));
+            let error = error.expect_err("other pixels").to_string();
+            assert!(error.contains("their checksum is another"), "{error}");
+        }
+        for format in [Format::Tiff, Format::Ppm, Format::Jpeg] {
+            assert!(Bands::of_fragment(format, rect, &recipe).is_err());
+        }
+        let outside = Rect { x: 271, ..rect };
+        assert!(Bands::of_fragment(Format::Png, outside, &recipe).is_err());
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::fragment_position::FragmentPosition;
-use super::{ImageError, Picture, Recipe};
+use super::{ImageError, Picture, PixelDigest, Recipe};
 use crate::camera::Rect;
 
 /// What an image file stores besides its pixels.
@@ -30,18 +30,10 @@ impl ImageFile {
         position: Option<FragmentPosition>,
     ) -> Result<Self, ImageError> {
         if let Some(position) = &position {
-            position.check(&picture).map_err(ImageError::Decode)?;
-            if recipe.is_none_or(|recipe| recipe.digest() != position.recipe) {
-                return Err(ImageError::Decode(
-                    "it does not tell what it was made of as it was written".to_owned(),
-                ));
-            }
-            if picture.digest() != position.pixels {
-                return Err(ImageError::Decode(
-                    "its pixels are not those that were written: their checksum is another"
-                        .to_owned(),
-                ));
-            }
+            let size = (picture.width, picture.height);
+            (position.check_file(size, recipe.as_ref()))
+                .and_then(|()| position.check_pixels(PixelDigest::of(&picture)))
+                .map_err(ImageError::Decode)?;
         }
         Ok(Self {
             picture,

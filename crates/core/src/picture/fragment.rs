@@ -1,9 +1,12 @@
 use super::file::Tags;
-use super::fragment_position::{FragmentPosition, check_rect};
+use super::fragment_position::{FragmentPosition, check_rect, check_size};
 use super::gaps::Gaps;
-use super::{Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, bands, png};
+use super::{Bands, Format, ImageError, ImageFile, OutOfMemory, Picture, Recipe, png};
 use crate::camera::Rect;
 use crate::digest::Digest;
+
+/// What is wrong with a whole picture.
+pub(super) const NO_POSITION: &str = "it does not tell its place in a larger picture";
 
 /// A tile in a file of its own, with all that stitching needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,26 +83,24 @@ impl Fragment {
     /// Other formats, which cannot store fragments; a rectangle outside the full picture; errors of the encoder.
     pub fn encode(&self, format: Format) -> Result<Vec<u8>, ImageError> {
         self.picture.check()?;
+        check_size(self.rect, (self.picture.width, self.picture.height))
+            .map_err(ImageError::Encode)?;
+        let bands = Bands::of_fragment(format, self.rect, &self.recipe)?;
+        if format == Format::Exr || format.is_banded(self.rect.width, self.rect.height) {
+            return bands.encode_all(&self.picture);
+        }
         let position = FragmentPosition {
             full_size: self.full_size(),
             rect: self.rect,
             recipe: self.recipe.digest(),
             // A PNG stores no layers.
-            pixels: match format {
-                Format::Png => Digest::of(self.picture.pixels.as_flattened()),
-                _ => self.picture.digest(),
-            },
+            pixels: Digest::of(self.picture.pixels.as_flattened()),
         };
-        position.check(&self.picture).map_err(ImageError::Encode)?;
         let tags = Tags {
             recipe: Some(&self.recipe),
             position: Some(&position),
         };
-        match format {
-            Format::Png => png::encode(&self.picture, tags),
-            Format::Exr => bands::encode(&self.picture, format, tags),
-            Format::Ppm | Format::Jpeg | Format::Tiff => Err(ImageError::NotForFragments),
-        }
+        png::encode(&self.picture, tags)
     }
 
     /// Decodes what [`Fragment::encode`] made. `name` is used in errors.
@@ -117,9 +118,7 @@ impl Fragment {
             position,
         } = ImageFile::decode(bytes).map_err(|error| not_a_fragment(error.to_string()))?;
         let (Some(position), Some(recipe)) = (position, recipe) else {
-            return Err(not_a_fragment(
-                "it does not tell its place in a larger picture".to_owned(),
-            ));
+            return Err(not_a_fragment(NO_POSITION.to_owned()));
         };
         let fragment = Self {
             rect: position.rect,
@@ -132,7 +131,8 @@ impl Fragment {
 
     /// Whether it lies inside its full picture.
     pub(super) fn check_place(&self) -> Result<(), String> {
-        check_rect(self.full_size(), self.rect, &self.picture)
+        check_size(self.rect, (self.picture.width, self.picture.height))?;
+        check_rect(self.full_size(), self.rect)
     }
 
     /// Columns and rows of the full picture.
@@ -146,8 +146,8 @@ impl Fragment {
 pub(super) mod tests {
     use super::*;
     use crate::camera::Grid;
-    use crate::picture::Layers;
     use crate::picture::recipe::tests::sample_recipe;
+    use crate::picture::{Layers, PixelDigest, bands};
     use crate::shade::{self, Mode};
 
     /// A picture in which every channel differs from pixel to pixel, with misses and half transparent pixels.
@@ -294,7 +294,7 @@ pub(super) mod tests {
                 full_size: fragment.full_size(),
                 rect: fragment.rect,
                 recipe: fragment.recipe.digest(),
-                pixels: fragment.picture.digest(),
+                pixels: PixelDigest::of(&fragment.picture),
             };
             let mut picture = fragment.picture.clone();
             change(picture.layers.as_mut().expect("layers"));
@@ -403,7 +403,7 @@ pub(super) mod tests {
                 full_size: fragment.full_size(),
                 rect: fragment.rect,
                 recipe: fragment.recipe.digest(),
-                pixels: fragment.picture.digest(),
+                pixels: PixelDigest::of(&fragment.picture),
             };
             let tags = Tags {
                 recipe: Some(&other),

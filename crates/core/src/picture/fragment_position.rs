@@ -1,4 +1,4 @@
-use super::{ImageError, Picture};
+use super::{ImageError, Recipe};
 use crate::camera::{Rect, SIDE_LIMIT};
 use crate::digest::Digest;
 use std::fmt;
@@ -16,30 +16,56 @@ pub(super) struct FragmentPosition {
 }
 
 impl FragmentPosition {
-    /// Whether the rectangle is inside the full picture and has the picture's size.
-    pub(super) fn check(&self, picture: &Picture) -> Result<(), String> {
-        check_rect(self.full_size, self.rect, picture)
+    /// Whether the rectangle is inside the full picture.
+    pub(super) fn check(&self) -> Result<(), String> {
+        check_rect(self.full_size, self.rect)
+    }
+
+    /// Whether the file has as many pixels as the rectangle, which is inside the full picture, and the full picture's
+    /// recipe.
+    pub(super) fn check_file(
+        &self,
+        size: (u32, u32),
+        recipe: Option<&Recipe>,
+    ) -> Result<(), String> {
+        check_size(self.rect, size)?;
+        self.check()?;
+        match recipe {
+            Some(recipe) if recipe.digest() == self.recipe => Ok(()),
+            _ => Err("it does not tell what it was made of as it was written".to_owned()),
+        }
+    }
+
+    /// Whether these are the pixels that were written.
+    pub(super) fn check_pixels(&self, pixels: Digest) -> Result<(), String> {
+        match pixels == self.pixels {
+            true => Ok(()),
+            false => Err(
+                "its pixels are not those that were written: their checksum is another".to_owned(),
+            ),
+        }
     }
 }
 
-/// Whether a rectangle is inside the full picture and has the picture's size.
-pub(super) fn check_rect(
-    (columns, rows): (u32, u32),
-    rect: Rect,
-    picture: &Picture,
-) -> Result<(), String> {
+/// Whether a file of this size has as many pixels as its rectangle.
+pub(super) fn check_size(rect: Rect, (columns, rows): (u32, u32)) -> Result<(), String> {
+    let Rect { width, height, .. } = rect;
+    match (width, height) == (columns, rows) {
+        true => Ok(()),
+        false => Err(format!(
+            "its place is {width} x {height}, but it has {columns} x {rows} pixels"
+        )),
+    }
+}
+
+/// Whether a rectangle is inside the full picture.
+pub(super) fn check_rect((columns, rows): (u32, u32), rect: Rect) -> Result<(), String> {
     let Rect {
         x,
         y,
         width,
         height,
     } = rect;
-    if (width, height) != (picture.width, picture.height) {
-        return Err(format!(
-            "its place is {width} x {height}, but it has {} x {} pixels",
-            picture.width, picture.height
-        ));
-    }
     let inside = u64::from(x) + u64::from(width) <= u64::from(columns)
         && u64::from(y) + u64::from(height) <= u64::from(rows);
     if !inside || columns.max(rows) > SIDE_LIMIT {

@@ -1,7 +1,6 @@
 use super::buffers::filled;
 use super::{ImageError, OutOfMemory};
 use crate::camera::{Grid, Rect};
-use crate::digest::{Digest, Digester};
 
 /// The most pixels of a file that is decoded at once.
 pub(super) const DECODED_LIMIT: u64 = 1 << 30;
@@ -60,26 +59,6 @@ impl Layers {
             normal: filled([0.0; 3], pixels)?,
             uv: filled([0.0; 2], pixels)?,
         })
-    }
-
-    /// A checksum of all values.
-    fn digest(&self) -> Digest {
-        let Self {
-            color,
-            depth,
-            object,
-            triangle,
-            normal,
-            uv,
-        } = self;
-        let mut hash = Digester::new();
-        hash.words(color.as_flattened().iter().map(|value| value.to_bits()));
-        hash.words(depth.iter().map(|value| value.to_bits()));
-        hash.words(object.iter().copied());
-        hash.words(triangle.iter().copied());
-        hash.words(normal.as_flattened().iter().map(|value| value.to_bits()));
-        hash.words(uv.as_flattened().iter().map(|value| value.to_bits()));
-        hash.finish()
     }
 
     /// The length of each layer.
@@ -177,15 +156,6 @@ impl Picture {
         }
         self.height = rows;
         Ok(rest)
-    }
-
-    /// A checksum of the pixels: of all layers, from which the 8-bit colours follow, or of those if there are no
-    /// layers.
-    pub(super) fn digest(&self) -> Digest {
-        match &self.layers {
-            Some(layers) => layers.digest(),
-            None => Digest::of(self.pixels.as_flattened()),
-        }
     }
 
     /// Splits the picture into strips of a grid's tiles, for workers that fill them in parallel: every tile once, in

@@ -1,5 +1,5 @@
 use super::fragment_position::FragmentPosition;
-use super::{ImageError, Picture, Recipe, exr_read, png, tiff_read};
+use super::{ImageError, Picture, PixelDigest, Recipe, exr_read, png, tiff_read};
 use crate::camera::Rect;
 use std::io::{BufRead, Seek};
 
@@ -9,6 +9,8 @@ pub struct RowReader<R: BufRead + Seek> {
     kind: Kind<R>,
     recipe: Option<Recipe>,
     position: Option<FragmentPosition>,
+    /// The checksum of a fragment's rows so far.
+    digest: Option<PixelDigest>,
     /// The number of rows read.
     read: u32,
 }
@@ -23,7 +25,8 @@ impl<R: BufRead + Seek> RowReader<R> {
     /// Opens a file of `length` bytes.
     ///
     /// # Errors
-    /// Bytes that are neither PNG nor EXR nor TIFF, or of other channels; a damaged recipe or position.
+    /// Bytes that are neither PNG nor EXR nor TIFF, or of other channels; a damaged recipe or position; a fragment whose
+    /// position or recipe is not the file's.
     pub fn open(mut read: R, length: u64) -> Result<Self, ImageError> {
         let begin = read
             .fill_buf()
@@ -43,12 +46,20 @@ impl<R: BufRead + Seek> RowReader<R> {
         } else {
             return Err(ImageError::neither());
         };
-        Ok(Self {
+        let mut reader = Self {
             kind,
             recipe,
             position,
+            digest: None,
             read: 0,
-        })
+        };
+        if let Some(position) = &reader.position {
+            position
+                .check_file(reader.size(), reader.recipe())
+                .map_err(ImageError::Decode)?;
+            reader.digest = Some(PixelDigest::new(reader.has_layers()));
+        }
+        Ok(reader)
     }
 
     /// Columns and rows of the file's own pixels.
@@ -88,11 +99,16 @@ impl<R: BufRead + Seek> RowReader<R> {
         matches!(self.kind, Kind::Exr(_))
     }
 
-    /// The next `most` rows, or those that are left. The checksum that a fragment stores of all its pixels is not
-    /// verified.
+    /// Whether it is a fragment, which stores its position in a full picture.
+    pub fn is_fragment(&self) -> bool {
+        self.position.is_some()
+    }
+
+    /// The next `most` rows, or those that are left.
     ///
     /// # Errors
-    /// A file that is damaged or ends early; memory.
+    /// A file that is damaged or ends early; with a fragment's last rows, pixels that are not those of its checksum;
+    /// memory.
     pub fn rows(&mut self, most: u32) -> Result<Picture, ImageError> {
         let (_, height) = self.size();
         let rows = most.min(height - self.read);
@@ -102,6 +118,14 @@ impl<R: BufRead + Seek> RowReader<R> {
             Kind::Tiff(tiff) => tiff.rows(rows)?,
         };
         self.read += rows;
+        if let Some(digest) = &mut self.digest {
+            digest.add(&picture);
+        }
+        if self.read == height
+            && let (Some(digest), Some(position)) = (self.digest.take(), &self.position)
+        {
+            (position.check_pixels(digest.finish())).map_err(ImageError::Decode)?;
+        }
         if let Kind::Png(png) = &mut self.kind
             && self.read == height
             && rows > 0

@@ -1,6 +1,12 @@
+use super::fragment::NO_POSITION;
+use super::fragment_position::check_rect;
 use super::gaps::Gaps;
-use super::{Fragment, FragmentError, Picture, Recipe};
+use super::{Fragment, FragmentError, Picture, Recipe, RowReader};
 use crate::camera::Rect;
+use std::io::{BufRead, Seek};
+
+/// The most pixels that are in memory while a fragment is checked, in whole rows.
+const CHECKED_AT_ONCE: u32 = 1 << 20;
 
 /// A fragment without its pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +30,39 @@ impl Part {
             recipe: fragment.recipe,
             has_layers: fragment.picture.layers.is_some(),
         }
+    }
+
+    /// Reads a fragment's file to its end, some rows at a time, and checks its pixels.
+    ///
+    /// # Errors
+    /// A file that is no fragment, or damaged; memory.
+    pub fn check<R: BufRead + Seek>(
+        name: &str,
+        reader: &mut RowReader<R>,
+    ) -> Result<Self, FragmentError> {
+        let not_a_fragment = |reason: String| FragmentError::NotAFragment {
+            name: name.to_owned(),
+            reason,
+        };
+        let Some(recipe) = reader.recipe().copied().filter(|_| reader.is_fragment()) else {
+            return Err(not_a_fragment(NO_POSITION.to_owned()));
+        };
+        let part = Self {
+            name: name.to_owned(),
+            rect: reader.rect(),
+            recipe,
+            has_layers: reader.has_layers(),
+        };
+        check_rect(part.full_size(), part.rect).map_err(not_a_fragment)?;
+        let most = (CHECKED_AT_ONCE / part.rect.width.max(1)).max(1);
+        let mut left = part.rect.height;
+        while left > 0 {
+            let rows = reader.rows(most);
+            left -= rows
+                .map_err(|error| not_a_fragment(error.to_string()))?
+                .height;
+        }
+        Ok(part)
     }
 
     fn full_size(&self) -> (u32, u32) {

@@ -20,42 +20,49 @@ pub(super) struct Banded<'a> {
     pub(super) bands: Bands,
     /// The picture's recipe; a part file is resumed only if it has the same.
     pub(super) recipe: &'a Recipe,
+    /// The rectangle of the picture that the file has.
+    pub(super) rect: Rect,
     pub(super) output: &'a Output,
     /// Whether to resume an earlier command's part file.
     pub(super) resume: bool,
 }
 
 impl<'a> Banded<'a> {
-    /// The file of a picture, if its format is written in bands at its size.
+    /// The file of a picture, or of `part` of it, if its format is written in bands at its size. A fragment is never
+    /// resumed.
     ///
     /// # Errors
     /// A picture that the format cannot hold; too little memory for a band.
     pub(super) fn new(
         name: &Path,
         format: Format,
-        recipe: &'a Recipe,
+        (recipe, part): (&'a Recipe, Option<Rect>),
         output: &'a Output,
         resume: bool,
     ) -> Result<Option<Self>, Failure> {
-        let plane = recipe.camera.plane();
-        // The heads of TIFF and EXR are written last, when the sizes of all bands are known.
-        let goes_back = matches!(format, Format::Tiff | Format::Exr);
-        if !format.is_banded(plane.columns, plane.rows) || (goes_back && !output.can_seek()) {
+        let rect = part.unwrap_or(recipe.camera.whole().rect);
+        // The heads of TIFF, EXR and fragments are written last, when the sizes and pixels of all bands are known.
+        let goes_back = matches!(format, Format::Tiff | Format::Exr) || part.is_some();
+        if !format.is_banded(rect.width, rect.height) || (goes_back && !output.can_seek()) {
             return Ok(None);
         }
-        let size = (plane.columns, plane.rows);
-        let bands = Bands::new(format, size, recipe.is_opaque(), Some(recipe))?;
+        let size = (rect.width, rect.height);
+        let bands = match part {
+            Some(rect) => Bands::of_fragment(format, rect, recipe)?,
+            None => Bands::new(format, size, recipe.is_opaque(), Some(recipe))?,
+        };
         memory::check_band(name, bands.memory())?;
         Ok(Some(Self {
             format,
             bands,
             recipe,
+            rect,
             output,
-            resume,
+            resume: resume && part.is_none(),
         }))
     }
 
-    /// Writes all bands, as `render` gives them, from the first that is missing.
+    /// Writes all bands, as `render` gives them for rectangles of the whole picture, from the first that is missing.
     ///
     /// # Errors
     /// Those of `render`; a file that cannot be written.
@@ -80,11 +87,19 @@ impl<'a> Banded<'a> {
             .collect::<Result<_, _>>()?;
         progress.counting("rendering", bands.len() as u64);
         progress.done(sizes.len() as u64);
+        let mut digest = bands.pixel_digest();
         let mut last_note = Instant::now();
         for index in sizes.len()..bands.len() {
             let rect = bands.rect(index);
-            let picture = render(rect)?;
+            let picture = render(Rect {
+                x: self.rect.x,
+                y: self.rect.y + rect.y,
+                ..rect
+            })?;
             let band = bands.encode(index, &picture, rect.y)?;
+            if let Some(digest) = &mut digest {
+                digest.add(&picture);
+            }
             drop(picture);
             file.append(&band.bytes)?;
             if let Some(journal) = &mut journal {
@@ -100,7 +115,10 @@ impl<'a> Banded<'a> {
         if let Some(journal) = &mut journal {
             file.store_journal(journal)?;
         }
-        let (final_head, tail) = bands.finish(&sizes)?;
+        let (final_head, tail) = match digest {
+            Some(digest) => bands.finish_fragment(&sizes, digest)?,
+            None => bands.finish(&sizes)?,
+        };
         file.append(&tail)?;
         if final_head != head {
             file.rewrite_head(&final_head)?;

@@ -12,9 +12,9 @@ use crate::output::Output;
 use crate::progress::TerminalProgress;
 use crate::setup;
 use crate::stats::StatsTarget;
-use raycast_core::camera::{Camera, CameraPath, DEFAULT_FOV, Rect};
+use raycast_core::camera::{Camera, CameraPath, DEFAULT_FOV, Grid, Rect};
 use raycast_core::formats::{CameraFile, ImageSettings};
-use raycast_core::picture::{Format, Fragment, ImageFile, Picture, Recipe, RowReader};
+use raycast_core::picture::{Format, Fragment, Picture, Recipe, RowReader};
 use raycast_core::render::{TileStats, View};
 use std::fs::File;
 use std::io::BufReader;
@@ -143,9 +143,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let clock = || rendering.elapsed();
     progress.counting("rendering", range.count().into());
     let mut sum = TileStats::default();
+    // A fragment is one tile of the grid.
+    let grid = match args.tiles.sub_camera {
+        Some(_) => Grid::default(),
+        None => args.tiles.grid(),
+    };
     let render = |view: &View, rect: Rect, sum: &mut TileStats| {
         let part = view.camera.sub_camera(rect);
-        let rendered = pool.install(|| render_rect(view, part, args.tiles.grid(), &clock, &|_| {}));
+        let rendered = pool.install(|| render_rect(view, part, grid, &clock, &|_| {}));
         let (picture, tiles) = rendered?;
         *sum += tiles;
         Ok::<Picture, Failure>(picture)
@@ -307,10 +312,8 @@ fn write_each(
                 continue;
             }
             let output = Output::at(&path, &[])?;
-            let banded = match is_part {
-                true => None,
-                false => Banded::new(&path, format, &recipe, &output, args.resume)?,
-            };
+            let part = is_part.then_some(rect);
+            let banded = Banded::new(&path, format, (&recipe, part), &output, args.resume)?;
             if let Some(banded) = banded {
                 let quiet = TerminalProgress::hidden();
                 banded
@@ -343,15 +346,6 @@ fn is_complete(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part
     if !matches!(format, Format::Png | Format::Exr | Format::Tiff) || !path.is_file() {
         return false;
     }
-    if is_part {
-        let file = std::fs::read(path).ok();
-        let file = file.and_then(|bytes| ImageFile::decode(&bytes).ok());
-        return file.is_some_and(|file| {
-            file.recipe.as_ref() == Some(recipe)
-                && file.rect() == rect
-                && file.full_size() == (recipe.camera.plane().columns, recipe.camera.plane().rows)
-        });
-    }
     let Ok(file) = File::open(path) else {
         return false;
     };
@@ -359,7 +353,8 @@ fn is_complete(path: &Path, format: Format, recipe: &Recipe, rect: Rect, is_part
     let Ok(mut reader) = RowReader::open(BufReader::new(file), length) else {
         return false;
     };
-    if reader.recipe() != Some(recipe) || reader.rect() != rect {
+    let is_known = reader.recipe() == Some(recipe) && reader.rect() == rect;
+    if !is_known || reader.is_fragment() != is_part {
         return false;
     }
     let mut left = rect.height;

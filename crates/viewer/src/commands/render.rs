@@ -84,13 +84,20 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         return opened.report(&stats_target, &tiles, wall, started, &pool);
     }
     let recipe = Recipe::of(view);
-    let banded = match (part, args.tiles.unfinished) {
-        (None, None) => Banded::new(&args.output, format, &recipe, &output, args.resume)?,
-        _ => None,
+    let rect = part.map(|part| part.rect);
+    if args.resume && part.is_some() {
+        rendering.warn_resume("a fragment", part);
+    }
+    let banded = match args.tiles.unfinished {
+        None => Banded::new(&args.output, format, (&recipe, rect), &output, args.resume)?,
+        Some(_) => None,
     };
     let (file, tiles, wall) = match banded {
-        Some(banded) => rendering.render_bands(banded)?,
+        Some(banded) => rendering.render_bands(banded, part)?,
         None => {
+            if args.resume && part.is_none() {
+                rendering.warn_resume("a picture", part);
+            }
             rendering.check_memory(format, part)?;
             match part {
                 Some(part) => rendering.render_fragment(format, recipe, part)?,
@@ -183,14 +190,6 @@ impl Rendering<'_> {
 
     /// Refuses a picture that is rendered whole if too little memory is left.
     fn check_memory(&self, format: Format, part: Option<SubCamera>) -> Result<(), Failure> {
-        let name = &self.args.output;
-        let (columns, rows) = self.size(part);
-        if self.args.resume {
-            warn(&format!(
-                "{}: --resume has no effect: a picture of {columns}x{rows} is written in one piece",
-                name.display()
-            ));
-        }
         let otherwise = match format {
             Format::Png | Format::Exr => {
                 ", or its parts one by one (--tiles COLUMNSxROWS --sub-camera C,R)"
@@ -198,14 +197,22 @@ impl Rendering<'_> {
             _ => "",
         };
         let memory_for = |columns, rows| format.memory_for(columns, rows);
-        memory::check_picture(name, (columns, rows), memory_for, otherwise)
+        memory::check_picture(&self.args.output, self.size(part), memory_for, otherwise)
     }
 
-    /// Renders a rectangle of the picture; adds its statistics to `sum`.
-    fn render_rows(&self, rect: Rect, sum: &mut TileStats) -> Result<Picture, Failure> {
+    fn warn_resume(&self, what: &str, part: Option<SubCamera>) {
+        let (columns, rows) = self.size(part);
+        warn(&format!(
+            "{}: --resume has no effect: {what} of {columns}x{rows} is written in one piece",
+            self.args.output.display()
+        ));
+    }
+
+    /// Renders a rectangle of the picture in tiles of a grid; adds its statistics to `sum`.
+    fn render_rows(&self, rect: Rect, grid: Grid, sum: &mut TileStats) -> Result<Picture, Failure> {
         let part = self.view.camera.sub_camera(rect);
         let clock = || self.started.elapsed();
-        let (picture, tiles) = render_rect(self.view, part, self.grid, &clock, &|_| {})?;
+        let (picture, tiles) = render_rect(self.view, part, grid, &clock, &|_| {})?;
         *sum += tiles;
         Ok(picture)
     }
@@ -214,14 +221,18 @@ impl Rendering<'_> {
         let mut sum = TileStats::default();
         let size = self.size(None);
         self.pool.install(|| {
-            deep_zoom.write(size, self.progress, |rect| self.render_rows(rect, &mut sum))
+            deep_zoom.write(size, self.progress, |rect| {
+                self.render_rows(rect, self.grid, &mut sum)
+            })
         })?;
         Ok((sum, self.started.elapsed()))
     }
 
-    fn render_bands(&self, banded: Banded) -> Result<Rendered, Failure> {
+    fn render_bands(&self, banded: Banded, part: Option<SubCamera>) -> Result<Rendered, Failure> {
+        // A fragment is one tile of the grid.
+        let grid = part.map_or(self.grid, |_| Grid::default());
         let mut sum = TileStats::default();
-        let write = || banded.write(self.progress, |rect| self.render_rows(rect, &mut sum));
+        let write = || banded.write(self.progress, |rect| self.render_rows(rect, grid, &mut sum));
         let file = self.pool.install(write)?;
         Ok((file, sum, self.started.elapsed()))
     }

@@ -34,26 +34,31 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     for path in inputs {
         let name = path.display().to_string();
         let state = file_state(path);
-        let fragment = Fragment::decode(&name, &read(path)?)?;
-        if format == Format::Exr && fragment.picture.layers.is_none() {
-            return Err(Failure::usage(format!(
-                "{name}: an .exr is stitched from fragments that are .exr: this one has colours alone"
-            )));
-        }
         if parts.is_empty() {
-            let (columns, rows) = fragment.full_size();
+            let reader = open_rows(path)?;
+            let (columns, rows) = reader.full_size();
             let goes_back = matches!(format, Format::Tiff | Format::Exr);
             is_banded = format.is_banded(columns, rows) && (output.can_seek() || !goes_back);
             if !is_banded {
-                let layers = fragment.picture.layers.is_some();
+                let layers = reader.has_layers();
                 let memory_for = |columns, rows| format.memory_to_stitch(columns, rows, layers);
                 memory::check_picture(&args.output, (columns, rows), memory_for, "")?;
             }
         }
-        parts.push((Part::new(&name, &fragment), state));
-        if !is_banded {
-            fragments.push((name, fragment));
+        let part = if is_banded {
+            Part::check(&name, &mut open_rows(path)?)?
+        } else {
+            let fragment = Fragment::decode(&name, &read(path)?)?;
+            let part = Part::new(&name, &fragment);
+            fragments.push((name.clone(), fragment));
+            part
+        };
+        if format == Format::Exr && !part.has_layers {
+            return Err(Failure::usage(format!(
+                "{name}: an .exr is stitched from fragments that are .exr: this one has colours alone"
+            )));
         }
+        parts.push((part, state));
         progress.done(1);
     }
     if !is_banded {
@@ -67,7 +72,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
     let Some(Part { recipe, .. }) = parts.first() else {
         return Err(FragmentError::None.into());
     };
-    let Some(banded) = Banded::new(&args.output, format, recipe, &output, false)? else {
+    let Some(banded) = Banded::new(&args.output, format, (recipe, None), &output, false)? else {
         return Err(Failure::could_not("the output is no longer what it was"));
     };
     let mut open: Vec<Option<RowReader<BufReader<File>>>> = parts.iter().map(|_| None).collect();
@@ -141,13 +146,25 @@ fn changed(path: &Path) -> Failure {
 
 /// Opens a checked fragment again.
 fn read_rows(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
-    let cannot = |error: std::io::Error| Failure::could_not(format!("{}: {error}", path.display()));
-    let file = formats::open_regular(path)?;
-    if state != file_state(path) {
-        return Err(changed(path));
+    let reader = open_rows(path)?;
+    match state == file_state(path) {
+        true => Ok(reader),
+        false => Err(changed(path)),
     }
+}
+
+fn open_rows(path: &Path) -> Result<RowReader<BufReader<File>>, Failure> {
+    let name = path.display().to_string();
+    let cannot = |error: std::io::Error| Failure::could_not(format!("{name}: {error}"));
+    let file = formats::open_regular(path)?;
     let length = file.metadata().map_err(cannot)?.len();
-    Ok(RowReader::open(BufReader::new(file), length)?)
+    RowReader::open(BufReader::new(file), length).map_err(|error| {
+        FragmentError::NotAFragment {
+            name: name.clone(),
+            reason: error.to_string(),
+        }
+        .into()
+    })
 }
 
 /// A fragment's bytes; of a file in another format, only as many as are needed to recognise it.

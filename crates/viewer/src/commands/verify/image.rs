@@ -13,7 +13,7 @@ pub(super) const WHOLE: u64 = 1 << 21;
 
 /// An image that RayCast wrote.
 pub(super) enum Image<'a> {
-    /// Read whole: a small image, or a fragment, whose checksum covers all its pixels.
+    /// A small image, read whole.
     Whole(Box<ImageFile>),
     /// Read from the top; the path is for errors.
     Rows(&'a Path, Box<RowReader<BufReader<File>>>),
@@ -50,8 +50,7 @@ pub(super) fn read(path: &Path) -> Result<Image<'_>, Failure> {
     let reader = RowReader::open(BufReader::new(file), length);
     let reader = reader.map_err(|error| cannot_read(path, &error))?;
     let (columns, rows) = reader.size();
-    let is_large = u64::from(columns) * u64::from(rows) > WHOLE;
-    if is_large && reader.full_size() == (columns, rows) {
+    if u64::from(columns) * u64::from(rows) > WHOLE {
         return Ok(Image::Rows(path, Box::new(reader)));
     }
     let image = ImageFile::decode(&std::fs::read(path).map_err(cannot)?);
