@@ -70,7 +70,11 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
                 files.copy_picture(picture);
             }
         }
-        Effect::SetKeys { .. } | Effect::Copy(_) | Effect::CopyImage(_) | Effect::Close => {}
+        Effect::SetKeys { .. }
+        | Effect::Copy(_)
+        | Effect::CopyImage(_)
+        | Effect::FocusMenu
+        | Effect::Close => {}
     }
 }
 

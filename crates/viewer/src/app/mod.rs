@@ -285,6 +285,7 @@ impl App {
                 let pixels = copied.pixels.as_flattened();
                 context.copy_image(egui::ColorImage::from_rgba_unmultiplied(size, pixels));
             }
+            Some(Effect::FocusMenu) => panels::menu::focus(context),
             Some(Effect::Close) => {
                 self.may_close = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -303,6 +304,7 @@ impl App {
             activity: self.files.activity(),
             tile_times: self.overlay.times(),
         };
+        self.state.is_loading = (status.activity.as_ref()).is_some_and(|task| task.can_cancel);
         let place = panels::window::show(
             ui,
             &self.state,

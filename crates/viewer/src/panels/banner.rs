@@ -178,12 +178,16 @@ fn activity(ui: &mut Ui, status: &Status, out: &mut Commands) {
                     ui.add(egui::Spinner::new().size(14.0));
                 }
             }
-            let room = ui.available_width() - 70.0;
-            ui.allocate_ui(vec2(room.max(40.0), 18.0), |ui| {
+            // Cancel stays in its place, whatever is being done.
+            let room = (ui.available_width() - 70.0).max(40.0);
+            ui.allocate_ui(vec2(room, 18.0), |ui| {
+                ui.set_min_width(room);
                 ui.add(egui::Label::new(format!("{}…", activity.label)).truncate());
             });
             if activity.can_cancel {
-                let stop = ui.button("Cancel").on_hover_text("What is open stays");
+                let stop = ui
+                    .button("Cancel")
+                    .on_hover_text("What is open stays (Esc)");
                 if stop.clicked() {
                     out.push(Command::CancelLoad);
                 }
@@ -324,7 +328,7 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     let name = state
         .document
         .as_ref()
-        .map_or("The scene", |document| &document.name);
+        .map_or("the scene", |document| &document.name);
     let before = match pending {
         Pending::Close => "closing".to_owned(),
         Pending::CopyCommand => "copying the command that makes the picture".to_owned(),
@@ -338,7 +342,7 @@ fn unsaved(ui: &mut Ui, state: &State, pending: &Pending, out: &mut Commands) {
     };
     card(ui, theme::colors(ui).accent).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let text = format!("{name} has changes that are not saved. Save them before {before}?");
+        let text = format!("Changes of {name} are not saved. Save them before {before}?");
         ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
         ui.horizontal(|ui| {
             let answers = [

@@ -15,6 +15,8 @@ pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
     let window = context.content_rect();
     let response = modal.show(context, |ui| {
         ui.set_width((window.width() - 80.0).min(520.0));
+        // Otherwise an area offers the height that it had at first.
+        ui.set_max_height(window.height());
         ui.horizontal(|ui| {
             ui.heading("Keys and gestures");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -14,7 +14,7 @@ mod look;
 mod manipulator;
 mod marks;
 mod measure;
-mod menu;
+pub mod menu;
 mod object_tree;
 mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]

@@ -8,6 +8,7 @@ use crate::ui::theme;
 use egui::{
     Align2, Area, Button, Frame, Id, Key, Order, Popup, RichText, ScrollArea, TextEdit, Ui, vec2,
 };
+use std::path::{Path, PathBuf};
 
 /// Shows it over the window, if it is open.
 pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
@@ -53,7 +54,11 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
     });
     // Enter runs what the text finds that is there by now, not what the last frame showed.
     let is_changed = ui.add(field).changed();
-    let found = registry::found(&text);
+    let mut found: Vec<Entry<'_>> = registry::found(&text)
+        .into_iter()
+        .map(Entry::Action)
+        .collect();
+    found.extend(recent(state, &text).map(Entry::Recent));
     if is_changed {
         out.push(Command::TypePalette(text));
     }
@@ -68,14 +73,19 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
     } else if up && marked > 0 {
         out.push(Command::MarkPalette(marked - 1));
     }
-    let mut run = |action: &Action| {
-        if (action.applies)(state) {
+    let mut run = |entry: &Entry<'_>| match entry {
+        Entry::Action(action) if (action.applies)(state) => {
             out.push(Command::TogglePalette);
             out.push((action.command)(state));
         }
+        Entry::Action(_) => {}
+        Entry::Recent(file) => {
+            out.push(Command::TogglePalette);
+            out.push(Command::Open(vec![file.to_path_buf()]));
+        }
     };
-    if enter && let Some(action) = found.get(marked) {
-        run(action);
+    if enter && let Some(entry) = found.get(marked) {
+        run(entry);
     }
     if found.is_empty() {
         ui.weak("No command has such a name");
@@ -85,23 +95,60 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
         .max_height(room)
         .auto_shrink([false, true])
         .show(ui, |ui| {
-            for (number, action) in found.iter().enumerate() {
-                let name = RichText::new(action.name);
+            for (number, entry) in found.iter().enumerate() {
                 let quiet = theme::colors(ui).quiet;
-                let key = RichText::new(keymap.key(action)).color(quiet);
-                let menu = RichText::new(action.menu.name()).color(quiet).small();
-                let button = Button::new((name, menu))
+                let (name, beside, key, hint, applies) = match entry {
+                    Entry::Action(action) => (
+                        action.name.to_owned(),
+                        action.menu.name().to_owned(),
+                        keymap.key(action),
+                        action.does.to_owned(),
+                        (action.applies)(state),
+                    ),
+                    Entry::Recent(file) => {
+                        let folder = file.parent().unwrap_or(file).display().to_string();
+                        let hint = file.display().to_string();
+                        (open_name(file), folder, String::new(), hint, true)
+                    }
+                };
+                let beside = RichText::new(beside).color(quiet).small();
+                let button = Button::new((RichText::new(name), beside))
                     .selected(number == marked)
                     .frame_when_inactive(number == marked)
-                    .right_text(key)
+                    .right_text(RichText::new(key).color(quiet))
+                    .truncate()
                     .min_size(vec2(ui.available_width(), 0.0));
-                let response = ui.add_enabled((action.applies)(state), button);
+                let response = ui.add_enabled(applies, button);
                 if number == marked && (up || down) {
                     response.scroll_to_me(None);
                 }
-                if response.on_hover_text(action.does).clicked() {
-                    run(action);
+                if response.on_hover_text(hint).clicked() {
+                    run(entry);
                 }
             }
         });
+}
+
+/// A line of the palette.
+enum Entry<'s> {
+    Action(&'static Action),
+    /// A file to open that was open before.
+    Recent(&'s Path),
+}
+
+/// The recent files whose names have all words of a text; none for an empty text.
+fn recent<'s>(state: &'s State, text: &str) -> impl Iterator<Item = &'s Path> {
+    let text = text.to_lowercase();
+    let is_found = move |file: &&Path| {
+        let name = open_name(file).to_lowercase();
+        let mut words = text.split_whitespace().peekable();
+        words.peek().is_some() && words.all(|word| name.contains(word))
+    };
+    let recent = state.preferences.recent.iter();
+    recent.map(PathBuf::as_path).filter(is_found)
+}
+
+fn open_name(file: &Path) -> String {
+    let name = file.file_name().unwrap_or(file.as_os_str());
+    format!("Open {}", name.to_string_lossy())
 }

@@ -7,7 +7,11 @@ use crate::ui::icons::{self, Icon};
 use crate::ui::registry::{Action, Keymap};
 use crate::ui::theme;
 use egui::collapsing_header::paint_default_icon;
-use egui::{Button, CollapsingHeader, DragValue, Id, Response, RichText, Ui, vec2};
+use egui::color_picker::{Alpha, color_picker_color32};
+use egui::{
+    Button, CollapsingHeader, Color32, DragValue, Id, Popup, PopupCloseBehavior, Response,
+    RichText, TextEdit, Ui, vec2,
+};
 use raycast_core::scene::Color;
 use std::ops::{Range, RangeInclusive};
 
@@ -38,6 +42,9 @@ pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Comman
         button = button.selected(is_on(state));
     }
     let response = ui.add_enabled((action.applies)(state), button);
+    if response.gained_focus() {
+        response.scroll_to_me(None);
+    }
     if response.on_hover_text(action.does).clicked() {
         out.push((action.command)(state));
         ui.close();
@@ -308,17 +315,49 @@ pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool
         .then_some(now)
 }
 
-/// A colour button; returns the new colour if it was changed.
+/// A colour button, which opens a picker and the colour as text; returns the new colour if it was changed.
 pub(super) fn color(ui: &mut Ui, current: Color, label: Id, hint: &str) -> Option<Color> {
-    let mut now = current.0;
+    let [r, g, b] = current.0;
+    let shown = Color32::from_rgb(r, g, b);
     // With an outline: a dark colour would not be visible on the dark panel.
     let line = egui::Stroke::new(1.0, theme::colors(ui).quiet.gamma_multiply(0.5));
-    let response = ui
-        .scope(|ui| {
-            ui.visuals_mut().widgets.inactive.bg_stroke = line;
-            ui.color_edit_button_srgb(&mut now)
-        })
-        .inner;
-    let response: Response = response.labelled_by(label).on_hover_text(hint);
-    (response.changed() && now != current.0).then_some(Color(now))
+    let button = Button::new("")
+        .fill(shown)
+        .stroke(line)
+        .min_size(ui.spacing().interact_size);
+    let button = ui.add(button).labelled_by(label).on_hover_text(hint);
+    let picked = Popup::from_toggle_button_response(&button)
+        .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
+        .show(|ui| {
+            let mut now = shown;
+            ui.spacing_mut().slider_width = 275.0;
+            let is_picked = color_picker_color32(ui, &mut now, Alpha::Opaque);
+            let [r, g, b, _] = now.to_array();
+            let typed = color_text(ui, button.id.with("text"), current, label);
+            typed.or(is_picked.then_some(Color([r, g, b])))
+        });
+    picked
+        .and_then(|shown| shown.inner)
+        .filter(|picked| *picked != current)
+}
+
+/// A colour as text, `#rrggbb` or `#rgb`; returns the new colour once another one was typed.
+fn color_text(ui: &mut Ui, id: Id, current: Color, label: Id) -> Option<Color> {
+    let typed: Option<String> = ui.data(|data| data.get_temp(id));
+    let mut text = typed.unwrap_or_else(|| current.to_string());
+    let parsed: Option<Color> = text.trim().parse().ok();
+    let mut field = TextEdit::singleline(&mut text).id(id).desired_width(64.0);
+    if parsed.is_none() {
+        field = field.text_color(theme::colors(ui).error);
+    }
+    let field = ui.add(field).labelled_by(label);
+    let field = field.on_hover_text("The color as #rrggbb or #rgb");
+    if field.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(id));
+        return parsed.filter(|color| *color != current);
+    }
+    if field.changed() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+    }
+    None
 }

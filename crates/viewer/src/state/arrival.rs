@@ -102,7 +102,7 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     if keeps_all && let Some(last) = &last {
         renewed = keep_looks(&mut document, last);
     }
-    let paths = document.paths.clone();
+    let (paths, opened) = (document.paths.clone(), document.opened.clone());
     let shading = document.shading;
     document.clip = clip;
     state.document = Some(document);
@@ -121,6 +121,7 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     state.question = None;
     state.forget_pending();
     state.motion = None;
+    state.forget_errors_of(paths.iter().chain(&opened));
     notes.into_iter().for_each(|note| state.tell(note));
     errors.into_iter().for_each(|error| state.report(error));
     state.preferences.remember_all(&paths);

@@ -358,6 +358,10 @@ pub enum Command {
     OpenPart(Part),
     /// Show or hide the help.
     ToggleHelp,
+    /// Give the keyboard to the menu bar.
+    FocusMenu,
+    /// Tell the version.
+    About,
     /// Open the key bindings file in the desktop's editor.
     OpenKeysFile,
     /// Reload the key bindings file.

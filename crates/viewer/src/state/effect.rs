@@ -36,6 +36,8 @@ pub enum Effect {
     OpenNeighbor(PathBuf, i32),
     /// Open a hard case as a new scene.
     OpenCase(&'static str),
+    /// Give the keyboard to the menu bar.
+    FocusMenu,
     /// Cancel the load.
     CancelLoad,
     /// Build the tree over the document's objects.

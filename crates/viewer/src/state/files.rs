@@ -60,13 +60,19 @@ pub(super) fn confirm(state: &mut State) -> Option<Effect> {
         text = with_one_ending(text, &suggested_name(state, prompt.kind));
     }
     let mut path = path_of(text);
-    // Kept until the files are read: if they cannot be, the path can be corrected.
-    let opens = matches!(prompt.kind, PromptKind::Open | PromptKind::Add);
-    state.typed = opens.then(|| prompt.clone());
+    // Kept until the file is read or written: if it cannot be, the path can be corrected.
+    state.typed = Some(prompt.clone());
     if !prompt.kind.saves() {
         path = in_working_folder(path);
     }
     take(state, prompt.kind, vec![path], false)
+}
+
+/// Opens the path line again with the path that was accepted last, to be corrected.
+pub(super) fn ask_again(state: &mut State) {
+    if state.prompt.is_none() {
+        state.prompt = state.typed.take();
+    }
 }
 
 /// The path without the suggested ending, if it has another one before that: a whole name that is typed over the

@@ -58,6 +58,7 @@ use raycast_core::formats::{ImageSettings, Limits, SceneFile};
 use raycast_core::glam::DVec3;
 use raycast_core::render::Settings;
 use raycast_core::shade::{Legend, Shading};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use turn::Turning;
@@ -171,8 +172,10 @@ pub struct State {
     pub palette: Option<Palette>,
     /// The path line, if open.
     pub prompt: Option<Prompt>,
-    /// The path line that was accepted last, until its file is read: on failure it opens again.
+    /// The path line that was accepted last, until its file is read or written: on failure it opens again.
     pub typed: Option<Prompt>,
+    /// Whether files are being read, which can be cancelled.
+    pub is_loading: bool,
     /// How many files after the open one, in its folder, the last was that was tried; zero once a scene is there.
     pub neighbor: i32,
     /// The action that waits for an answer about unsaved changes.
@@ -253,6 +256,7 @@ impl Default for State {
             palette: None,
             prompt: None,
             typed: None,
+            is_loading: false,
             neighbor: 0,
             question: None,
             scenes: 0,
@@ -318,6 +322,18 @@ impl State {
     pub(super) fn forget_pending(&mut self) {
         self.after_saving = None;
         self.arrived = None;
+    }
+
+    /// Takes away the errors of files that were read or written since.
+    pub(super) fn forget_errors_of<'p>(&mut self, paths: impl IntoIterator<Item = &'p PathBuf>) {
+        for path in paths {
+            let name = path.display().to_string();
+            let is_of_it = |error: &String| {
+                let rest = error.strip_prefix(&name);
+                rest.is_some_and(|rest| rest.starts_with(':'))
+            };
+            self.errors.retain(|error| !is_of_it(error));
+        }
     }
 
     /// Shows an error. One that is shown already moves to the end.

@@ -105,6 +105,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             errors,
         } => {
             state.typed = None;
+            state.forget_errors_of(paths.iter().chain(&opened));
             state.preferences.remember_all(&paths);
             notes.into_iter().for_each(|note| state.tell(note));
             errors.into_iter().for_each(|error| state.report(error));
@@ -134,10 +135,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::Nothing => {}
         News::NotOpened(message) => {
             state.report(message);
-            // The path can be corrected.
-            if state.prompt.is_none() {
-                state.prompt = state.typed.take();
-            }
+            files::ask_again(state);
         }
         News::Built(scene, tree) => {
             if let Some(document) = &mut state.document
@@ -149,6 +147,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         }
         News::Texture(texture, path, which) => {
             let path = in_working_folder(path);
+            state.typed = None;
+            state.forget_errors_of([&path]);
             return change(state, "Texture", |state| {
                 if !shows_textures(state.settings.shading.mode) {
                     state.settings.shading.mode = Mode::Smooth;
@@ -161,6 +161,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         }
         News::PictureSaved(path) => {
             let path = in_working_folder(path);
+            state.typed = None;
+            state.forget_errors_of([&path]);
             state.tell(format!("Saved {}", path.display()));
         }
         News::PictureCopied(copied) => {
@@ -169,6 +171,8 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             return Some(Effect::CopyImage(copied));
         }
         News::SceneSaved(path, revision) => {
+            state.typed = None;
+            state.forget_errors_of([&path]);
             state.tell(format!("Saved {}", path.display()));
             state.history.saved(revision);
             if let Some(document) = &mut state.document {
@@ -193,6 +197,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
         News::NotSaved(message) => {
             state.forget_pending();
             state.report(message);
+            files::ask_again(state);
         }
         News::Keys { text, asked } => return Some(Effect::SetKeys { text, asked }),
         News::Done(message) => state.tell(message),

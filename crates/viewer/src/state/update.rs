@@ -137,6 +137,9 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
                 shading.scale.get_or_insert_default();
             }
             shading.mode = mode;
+            if let Some(why) = nothing_to_show(state) {
+                state.tell(why);
+            }
         }
         Command::SetCrease(degrees) => {
             state.settings.shading.crease = degrees.clamp(0.0, 180.0);
@@ -357,7 +360,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             return Some(Effect::CancelLoad);
         }
         Command::LoadTexture(path, which) => {
-            state.prompt = None;
+            (state.prompt, state.typed) = (None, None);
             return Some(Effect::LoadTexture(path, which));
         }
         Command::DropPicture(path) => {
@@ -365,7 +368,10 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             let recent = state.preferences.recent.clone();
             return Some(Effect::OpenPicture(path, recent));
         }
-        Command::SavePicture(path) => return files::save_picture(state, path, false),
+        Command::SavePicture(path) => {
+            state.typed = None;
+            return files::save_picture(state, path, false);
+        }
         Command::SaveScene => return files::save_scene(state),
         Command::SaveSceneAs(path) => return files::save_scene_as(state, path, false),
         Command::Replace => return files::replace(state),
@@ -394,6 +400,12 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.part = (Some(part), state.part.1 + 1);
         }
         Command::ToggleHelp => state.help = !state.help,
+        Command::FocusMenu => return Some(Effect::FocusMenu),
+        Command::About => state.tell(concat!(
+            "RayCast ",
+            env!("CARGO_PKG_VERSION"),
+            ", under the MIT or the Apache 2.0 license"
+        )),
         Command::OpenKeysFile => return Some(Effect::OpenKeysFile),
         Command::ReloadKeys => return Some(Effect::ReadKeysFile),
         Command::TogglePalette => {
@@ -415,7 +427,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Dismiss if state.manipulating.drag.is_some() => {
             return manipulator::cancel(state);
         }
-        Command::Dismiss => dismiss(state),
+        Command::Dismiss => return dismiss(state),
         Command::DismissError(index) => {
             if index < state.errors.len() {
                 state.errors.remove(index);
@@ -437,6 +449,20 @@ fn tell_of_handles(state: &mut State) {
     state.tell(why);
 }
 
+/// What the mode needs and no object has.
+fn nothing_to_show(state: &State) -> Option<&'static str> {
+    let objects = &state.document.as_ref()?.scene.objects;
+    match state.settings.shading.mode {
+        Mode::Uv if !objects.iter().any(|object| object.mesh.has_uvs()) => {
+            Some("No mesh has texture coordinates: all is shown as (0, 0)")
+        }
+        Mode::Texture if !objects.iter().any(|object| object.has_texture()) => {
+            Some("No object has a texture: colors are shown without light")
+        }
+        _ => None,
+    }
+}
+
 /// Advances smooth motion; returns whether it goes on.
 pub fn advance(state: &mut State) -> bool {
     navigate::advance(state)
@@ -452,8 +478,8 @@ fn wireframe(state: &mut State) -> &mut Wireframe {
     shading.wireframe.get_or_insert(usual)
 }
 
-/// Closes the topmost of what is open.
-fn dismiss(state: &mut State) {
+/// Closes the topmost of what is open, or cancels what is under way.
+fn dismiss(state: &mut State) -> Option<Effect> {
     if state.palette.is_some() {
         state.palette = None;
     } else if state.help {
@@ -463,12 +489,16 @@ fn dismiss(state: &mut State) {
     } else if state.replacing.is_some() {
         state.replacing = None;
         state.forget_pending();
+        files::ask_again(state);
     } else if state.prompt.is_some() {
         state.prompt = None;
         state.typed = None;
         state.forget_pending();
     } else if state.naming.is_some() {
         state.naming = None;
+    } else if state.is_loading {
+        state.typed = None;
+        return Some(Effect::CancelLoad);
     } else if state.errors.pop().is_some() {
     } else if state.walk.is_some() {
         state.walk = None;
@@ -485,6 +515,7 @@ fn dismiss(state: &mut State) {
     } else {
         state.picks = Default::default();
     }
+    None
 }
 
 /// Selects the object of the current pick.

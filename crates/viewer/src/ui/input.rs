@@ -150,7 +150,9 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
             if walks && is_step && !modifiers.command && !modifiers.alt {
                 continue;
             }
-            if is_asked || (is_arrow && is_in_controls && !modifiers.alt) {
+            // A menu or list that is open takes arrows and letters.
+            let is_of_menu = in_menu && !modifiers.command && !modifiers.alt;
+            if is_asked || is_of_menu || (is_arrow && is_in_controls && !modifiers.alt) {
                 continue;
             }
             let of = |key| registry::pressed(&keymap, state, typing, key, modifiers);

@@ -247,8 +247,10 @@ impl Files {
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
-            let texture = texture.map_err(|error| error.to_string())?;
-            Ok(News::Texture(Arc::new(texture), path, which))
+            Ok(match texture {
+                Ok(texture) => News::Texture(Arc::new(texture), path, which),
+                Err(error) => News::NotOpened(error.to_string()),
+            })
         });
     }
 

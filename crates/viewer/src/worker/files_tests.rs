@@ -103,7 +103,7 @@ fn an_outline_is_written_and_replaces_no_file_without_permission() {
     assert!(matches!(save(0.5, true), News::PictureSaved(_)));
     assert_ne!(std::fs::read_to_string(&path).expect("another"), text);
     assert!(
-        matches!(save(1e6, true), News::Failed(text) if text.contains("cuts nothing")),
+        matches!(save(1e6, true), News::NotSaved(text) if text.contains("cuts nothing")),
         "beside everything"
     );
 }
@@ -222,7 +222,7 @@ fn a_picture_is_not_written_over_what_was_opened() {
     files.load_texture(path.clone(), None);
     assert!(matches!(wait(&files), News::Texture(..)));
     files.save(picture(), path.clone(), true);
-    assert!(matches!(wait(&files), News::Failed(text) if text.contains("skin.png")));
+    assert!(matches!(wait(&files), News::NotSaved(text) if text.contains("skin.png")));
     assert!(std::fs::read(&path).expect("a file").starts_with(b"P3"));
 }
 
@@ -232,7 +232,7 @@ fn a_picture_that_cannot_be_written_leaves_no_file() {
     let files = files();
     let path = folder.path().join("missing").join("a.png");
     files.save(picture(), path, true);
-    assert!(matches!(wait(&files), News::Failed(text) if text.contains("a.png")));
+    assert!(matches!(wait(&files), News::NotSaved(text) if text.contains("a.png")));
     assert_eq!(
         std::fs::read_dir(folder.path()).map(Iterator::count).ok(),
         Some(0)

@@ -4,6 +4,7 @@ use super::files::{Files, Saving};
 use super::panic_text;
 use super::save::{rendered, save, save_outline, save_scene, save_scene_copy, save_text};
 use super::tasks::ANY;
+use crate::failure::Failure;
 use crate::state::effect::Copied;
 use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
@@ -24,14 +25,8 @@ impl Files {
                 save(picture, &path, replace, shared)
             }));
             shared.saves.fetch_sub(1, Ordering::Relaxed);
-            match saved.map_err(|panic| panic_text(&*panic))? {
-                Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing {
-                    path,
-                    by: PromptKind::Picture,
-                })),
-                Err(failure) => Err(failure.to_string()),
-            }
+            let saved = saved.map_err(|panic| panic_text(&*panic))?;
+            Ok(news_of(saved, path, PromptKind::Picture))
         });
     }
 
@@ -77,25 +72,16 @@ impl Files {
     /// Writes a scene file that does not become the open one; not over another file, unless it may `replace` that.
     pub fn save_scene_copy(&self, scene: SceneFile, path: PathBuf, replace: bool) {
         self.shared.spawn("raycast-save", ANY, move |shared| {
-            match save_scene_copy(&scene, &path, replace, shared) {
-                Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing {
-                    path,
-                    by: PromptKind::SceneCopy,
-                })),
-                Err(failure) => Err(failure.to_string()),
-            }
+            let saved = save_scene_copy(&scene, &path, replace, shared);
+            Ok(news_of(saved, path, PromptKind::SceneCopy))
         });
     }
 
     /// Writes text, likewise.
     pub fn save_text(&self, text: String, path: PathBuf, by: PromptKind, replace: bool) {
         self.shared.spawn("raycast-save", ANY, move |shared| {
-            match save_text(&text, &path, replace, shared) {
-                Ok(true) => Ok(News::PictureSaved(path)),
-                Ok(false) => Ok(News::Taken(Replacing { path, by })),
-                Err(failure) => Err(failure.to_string()),
-            }
+            let saved = save_text(&text, &path, replace, shared);
+            Ok(news_of(saved, path, by))
         });
     }
 
@@ -113,18 +99,21 @@ impl Files {
                 save_outline((&accel, &plane), &path, replace, shared)
             }));
             shared.saves.fetch_sub(1, Ordering::Relaxed);
-            match saved.map_err(|panic| panic_text(&*panic))? {
-                Ok(Some((open, all))) => {
-                    if open > 0 {
-                        let said =
-                            format!("{open} of {all} lines are not closed: the mesh is open there");
-                        shared.tell(ANY, News::Done(said));
-                    }
-                    Ok(News::PictureSaved(path))
-                }
-                Ok(None) => Ok(News::Taken(Replacing { path, by })),
-                Err(failure) => Err(failure.to_string()),
+            let saved = saved.map_err(|panic| panic_text(&*panic))?;
+            if let Ok(Some((open @ 1.., all))) = saved {
+                let said = format!("{open} of {all} lines are not closed: the mesh is open there");
+                shared.tell(ANY, News::Done(said));
             }
+            Ok(news_of(saved.map(|lines| lines.is_some()), path, by))
         });
+    }
+}
+
+/// The end of saving: whether the file was written, or is there already.
+fn news_of(saved: Result<bool, Failure>, path: PathBuf, by: PromptKind) -> News {
+    match saved {
+        Ok(true) => News::PictureSaved(path),
+        Ok(false) => News::Taken(Replacing { path, by }),
+        Err(failure) => News::NotSaved(failure.to_string()),
     }
 }

@@ -6,12 +6,14 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::camera::Projection;
 use raycast_core::shade::Mode;
+use raycast_viewer::panels::menu;
 use raycast_viewer::state::command::Command;
+use raycast_viewer::state::effect::Effect;
 use raycast_viewer::state::part::Part;
 use raycast_viewer::state::preferences::Mouse;
 use raycast_viewer::state::update::update;
 use raycast_viewer::ui::input::gestures;
-use raycast_viewer::ui::registry::{KeysFile, actions};
+use raycast_viewer::ui::registry::{KeysFile, Menu, actions};
 
 #[test]
 fn the_help_lists_every_key_and_gesture() {
@@ -219,4 +221,75 @@ fn the_palette_lists_all_commands_again_after_few_were_found() {
     }
     harness.run();
     assert_ne!(harness.state().state.preferences.watch, before);
+}
+
+#[test]
+fn a_menu_that_is_open_takes_the_keys_and_all_of_it_can_be_reached_in_a_low_window() {
+    let mut harness = open_two();
+    harness.set_size(egui::vec2(640.0, 400.0));
+    harness.run();
+    click(&mut harness, "View");
+    let before = harness.state().asked.len();
+    for key in [Key::ArrowLeft, Key::W, Key::F] {
+        harness.key_press(key);
+        harness.run();
+    }
+    assert_eq!(harness.state().asked.len(), before);
+    // Its entries are in the window, or scroll into it.
+    let state = &harness.state().state;
+    let actions = actions().filter(|action| action.menu == Menu::View && (action.applies)(state));
+    let last = actions.last().expect("a menu has entries").name;
+    let window = harness.ctx.content_rect();
+    let is_seen = |harness: &Harness<'_, Bench>| {
+        let mut entries = harness.query_all_by_label_contains(last);
+        entries.any(|entry| window.contains_rect(entry.rect()))
+    };
+    assert!(!is_seen(&harness), "the menu is longer than the window");
+    for _ in 0..60 {
+        harness.key_press(Key::Tab);
+        harness.run();
+        if is_seen(&harness) {
+            return;
+        }
+    }
+    panic!("{last} was not reached");
+}
+
+#[test]
+fn the_menu_bar_is_opened_by_a_key() {
+    let mut harness = open_two();
+    harness.key_press(Key::F10);
+    harness.run();
+    assert!(harness.state().effects.contains(&Effect::FocusMenu));
+    menu::focus(&harness.ctx);
+    harness.run();
+    assert!(harness.get_by_label("File").is_focused());
+    harness.key_press(Key::Enter);
+    harness.run();
+    // All entries are seen without scrolling where the window has room.
+    let entries: Vec<_> = harness.query_all_by_label_contains("Quit").collect();
+    let window = harness.ctx.content_rect();
+    assert!(
+        entries
+            .iter()
+            .any(|entry| window.contains_rect(entry.rect()))
+    );
+    let open: Vec<_> = harness.query_all_by_label_contains("Open…").collect();
+    let height = entries[0].rect().bottom() - open[0].rect().top();
+    assert!(height > 300.0, "{height}");
+}
+
+#[test]
+fn recent_files_are_found_in_the_palette() {
+    let mut harness = open_two();
+    let file = std::path::PathBuf::from("/models/heap of things.obj");
+    harness.state_mut().state.preferences.remember(&file);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    harness.event(egui::Event::Text("heap".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert!(harness.state().asked.contains(&Command::Open(vec![file])));
+    assert!(harness.state().state.palette.is_none());
 }

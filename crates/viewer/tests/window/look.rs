@@ -1,13 +1,15 @@
 //! The look, the picture and its tiles.
 
 use crate::bench::{click, open, open_two};
-use egui::{Key, accesskit::Role};
+use egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use raycast_core::camera::{FrameLock, Grid};
 use raycast_core::glam::DVec3;
 use raycast_core::render::{Pass, TileStats};
+use raycast_core::scene::{Color, ColorRule};
 use raycast_core::shade::Mode;
 use raycast_viewer::state::command::Command;
+use raycast_viewer::state::update::update;
 use raycast_viewer::state::{Resolution, Tint};
 use raycast_viewer::ui::modes::MODES;
 use raycast_viewer::worker::outbox::PassReport;
@@ -164,4 +166,32 @@ fn in_a_narrow_window_the_values_under_the_cursor_come_before_the_progress() {
             assert!(node.rect().right() <= picture.right());
         }
     }
+}
+
+#[test]
+fn a_color_can_be_typed() {
+    let mut harness = open_two();
+    let rule = ColorRule::Uniform(Color([1, 2, 3]));
+    let state = &mut harness.state_mut().state;
+    update(state, Command::SetColorRule(Some(0), rule));
+    update(state, Command::Select(Some(0)));
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::Button, "Its color")
+        .click();
+    harness.run();
+    harness
+        .get_all_by_role(Role::TextInput)
+        .find(|field| field.value().as_deref() == Some("#010203"))
+        .expect("the color as text")
+        .focus();
+    harness.run();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("#f80".to_owned()));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    let document = harness.state().state.document.as_ref().expect("a scene");
+    let color = &document.scene.objects[0].color;
+    assert_eq!(*color, ColorRule::Uniform(Color([0xff, 0x88, 0x00])));
 }

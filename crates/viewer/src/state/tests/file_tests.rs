@@ -529,3 +529,78 @@ fn a_whole_name_that_is_typed_over_the_suggestion_keeps_one_ending() {
         assert_eq!(effect, Some(expected), "{typed}");
     }
 }
+
+/// A path that cannot be read or written stays to be corrected, whatever it is for.
+#[test]
+fn a_path_that_fails_stays_to_be_corrected() {
+    let not_opened = || News::NotOpened("b: no image".to_owned());
+    let not_saved = || News::NotSaved("b: the disk is full".to_owned());
+    let good = std::path::PathBuf::from("b.png");
+    let texture = Texture::new(1, 1, vec![[0; 4]])
+        .map(Arc::new)
+        .expect("a texel");
+    for (kind, bad, done) in [
+        (
+            PromptKind::Texture,
+            not_opened(),
+            News::Texture(texture, good.clone(), None),
+        ),
+        (
+            PromptKind::Picture,
+            not_saved(),
+            News::PictureSaved(good.clone()),
+        ),
+    ] {
+        let mut state = opened(1);
+        update(&mut state, Command::Ask(kind));
+        update(&mut state, Command::TypePath("b.png".to_owned()));
+        assert!(update(&mut state, Command::ConfirmPath).is_some());
+        assert_eq!(state.prompt, None);
+        receive(&mut state, bad, Duration::ZERO);
+        let text = state.prompt.as_ref().map(|prompt| prompt.text.as_str());
+        assert_eq!(text, Some("b.png"));
+        assert!(update(&mut state, Command::ConfirmPath).is_some());
+        receive(&mut state, done, Duration::ZERO);
+        assert_eq!((&state.prompt, &state.typed), (&None, &None));
+    }
+    // A name that is taken, and is to stay, can be changed.
+    let mut state = opened(1);
+    update(&mut state, Command::Ask(PromptKind::Picture));
+    update(&mut state, Command::TypePath("b.png".to_owned()));
+    update(&mut state, Command::ConfirmPath);
+    let by = PromptKind::Picture;
+    let taken = News::Taken(Replacing { path: good, by });
+    receive(&mut state, taken, Duration::ZERO);
+    update(&mut state, Command::Dismiss);
+    let text = state.prompt.as_ref().map(|prompt| prompt.text.as_str());
+    assert_eq!((text, &state.replacing), (Some("b.png"), &None));
+}
+
+#[test]
+fn an_error_goes_when_its_file_is_read() {
+    let mut state = opened(1);
+    let bad = News::NotOpened("other.obj:3: expected a number".to_owned());
+    receive(&mut state, bad, Duration::ZERO);
+    let another = News::Failed("other.objx: damaged".to_owned());
+    receive(&mut state, another, Duration::ZERO);
+    let News::Loaded(mut loaded) = other() else {
+        unreachable!("it is made so");
+    };
+    loaded.document.paths = vec!["other.obj".into()];
+    receive(&mut state, News::Loaded(loaded), Duration::ZERO);
+    assert_eq!(state.errors, ["other.objx: damaged"]);
+}
+
+#[test]
+fn escape_cancels_reading_before_it_takes_away_errors() {
+    let mut state = opened(1);
+    receive(&mut state, News::Failed("a: b".to_owned()), Duration::ZERO);
+    state.is_loading = true;
+    assert_eq!(
+        update(&mut state, Command::Dismiss),
+        Some(Effect::CancelLoad)
+    );
+    state.is_loading = false;
+    assert_eq!(update(&mut state, Command::Dismiss), None);
+    assert_eq!(state.errors, [""; 0]);
+}

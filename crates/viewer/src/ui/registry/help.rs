@@ -25,6 +25,14 @@ pub(super) static ACTIONS: &[Action] = &[
     ),
     Action::of(
         Menu::Help,
+        "help.menu",
+        "Menu bar",
+        "Give the keyboard to the menu bar: arrows, Enter and Esc",
+        &[plain(Key::F10)],
+        |_| Command::FocusMenu,
+    ),
+    Action::of(
+        Menu::Help,
         "help.keys_file",
         "Open keys file",
         "Open the file in which commands are given other keys; Reload keys takes it in",
@@ -40,4 +48,13 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |_| Command::ReloadKeys,
     ),
+    Action::of(
+        Menu::Help,
+        "help.about",
+        "About RayCast",
+        "Tell the version and the license",
+        &[],
+        |_| Command::About,
+    )
+    .apart(),
 ];
