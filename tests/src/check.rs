@@ -118,9 +118,7 @@ impl Check for Stage {
         let exact = single(Precision::Exact);
         for precision in [Precision::Fast, Precision::Exact] {
             let expected = single(precision);
-            let accels = instruction_sets()
-                .into_iter()
-                .map(|simd| Accel::clone(&self.accel).with_simd(simd));
+            let accels = Simd::available().map(|simd| Accel::clone(&self.accel).with_simd(simd));
             for accel in accels {
                 // The widest does less and guesses too; what that may break is not the others'.
                 let details: &[Detail] = match (accel.simd() == Simd::best(), precision) {
@@ -180,14 +178,6 @@ impl Check for Stage {
             });
         exact.iter().filter(|hit| !hit.is_miss()).count()
     }
-}
-
-/// Every instruction set that this machine has.
-pub fn instruction_sets() -> Vec<Simd> {
-    [Simd::Plain, Simd::Avx2]
-        .into_iter()
-        .filter(|&simd| simd <= Simd::best())
-        .collect()
 }
 
 /// A triangle's corners, to be copied into a test.

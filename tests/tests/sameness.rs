@@ -8,11 +8,11 @@ use raycast_core::picture::{Format, Fragment, Picture, Recipe, stitch};
 use raycast_core::render::{Cancel, Passes, Settings, TileStats, View};
 use raycast_core::scene::{Mesh, Object, Scene, Transform};
 use raycast_core::shade::{Mode, Shading, Wireframe};
-use raycast_core::{Accel, Cull, Detail};
+use raycast_core::{Accel, Cull, Detail, Simd};
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
 use raycast_report::meshes;
-use raycast_tests::check::{Check, Stage, instruction_sets, on_threads, pixel, render};
+use raycast_tests::check::{Check, Stage, on_threads, pixel, render};
 use raycast_tests::models;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -198,7 +198,7 @@ fn every_instruction_set_gives_the_same_light_in_every_mode() {
                 let bits = numbers.map(|number| number.to_bits());
                 bits.chain(layers.object).chain(layers.triangle).collect()
             };
-            let sets = instruction_sets();
+            let sets: Vec<Simd> = Simd::available().collect();
             let plain = of(sets[0]);
             for &simd in &sets[1..] {
                 assert!(of(simd) == plain, "{projection:?} {mode:?} {simd:?}");

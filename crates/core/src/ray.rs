@@ -1,4 +1,5 @@
 use crate::num::double_double::DoubleDouble;
+use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 
 /// A half-line, or a piece of one, in world space: the points `origin + t · direction` with `t_min < t ≤ t_max`.
@@ -53,7 +54,7 @@ pub(crate) fn relative_origin(origin: DVec3, frame: DVec3) -> (DVec3, f64) {
     let error = if is_exact {
         0.0
     } else {
-        relative.abs().max_element() * (f64::EPSILON / 2.0)
+        relative.abs().max_element() * EPSILON
     };
     (relative, error)
 }

@@ -7,6 +7,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use raycast_core::Simd;
 use raycast_core::camera::Lattice;
 use raycast_core::{Accel, Precision};
 use raycast_report::casters::{self, Caster};
@@ -42,7 +43,7 @@ impl Ready {
             let camera = made.camera(&scene, SIZE, close).expect("a good size");
             tiles(&camera, 1)
         };
-        let raycast = casters::instruction_sets().into_iter().map(|simd| {
+        let raycast = Simd::available().map(|simd| {
             let accel = Arc::new(accel.clone().with_simd(simd));
             casters::raycast_simd(&accel, Precision::Exact)
         });

@@ -5,10 +5,10 @@
 //! both zeros, neighbours in the last place, tiny and huge ones, corners that triangles share, eyes in corners, on
 //! edges and in planes. Missing bytes count as zeros.
 
-use crate::casters::instruction_sets;
 use crate::meshes::mesh;
 use crate::stage::{Stage, scene_of};
 use crate::wrong_answer::compare;
+use raycast_core::Simd;
 use raycast_core::camera::{
     Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Ray, Rect,
 };
@@ -120,7 +120,7 @@ impl Scenario {
         let single = |ray: &Ray| clipped.cast_primitive(ray, *cull, Precision::Exact);
         let expected: Vec<PrimitiveHit> =
             (0..lattice.len()).map(|i| single(&self.ray(i))).collect();
-        for simd in instruction_sets() {
+        for simd in Simd::available() {
             let accel = Accel::clone(&stage.accel).with_simd(simd);
             let mut found = Vec::new();
             let clipped = accel.clipped(&stage.clip());

@@ -50,7 +50,7 @@ impl Subject {
         let accel = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
         let building = started.elapsed();
         let mut all = casters::raycast(&accel);
-        for simd in casters::instruction_sets() {
+        for simd in Simd::available() {
             if simd < accel.simd() {
                 let plainer = Arc::new(Accel::build(&input.scene)?.with_simd(simd));
                 all.push(casters::raycast_simd(&plainer, Precision::Exact));

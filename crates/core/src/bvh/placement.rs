@@ -1,6 +1,7 @@
 //! Placements of meshes: maps of corners, and of boxes around them, from the mesh's space to the scene's.
 
 use super::tree::{Box32, BoxPair};
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
 use glam::{DAffine3, DVec3, Vec3};
 
@@ -92,7 +93,7 @@ impl BoxPlacement {
         // three sums below 3; the half counts as much again as the middle. That is below 6 + 2 (1 + 3) + 5 + 3 = 22;
         // 64 has room for the rounding of the slack itself. What is rounded to nothing is made up for by the least
         // normal number.
-        let slack = magnitude * (64.0 * 0.5 * f64::EPSILON) + f64::MIN_POSITIVE;
+        let slack = magnitude * (64.0 * EPSILON) + f64::MIN_POSITIVE;
         Self {
             rows: matrix3.transpose().to_cols_array_2d(),
             shift: (matrix3 * offset + translation - origin).to_array(),

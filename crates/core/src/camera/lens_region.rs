@@ -27,7 +27,7 @@
 //! * **Rounding.** With S = 1 + |k₁|R² + |k₂|R⁴ + |k₃|R⁶ + 6(|p₁| + |p₂|)R, both coordinates of f are rounded by less than
 //!   16εSR, and a step's end by β' of that and by ε of itself: below 460ε where SRβ' ≤ 28. With 64ε from the last step's
 //!   length it is less than 720ε, as `packet/places` supposes.
-//! * **What covers what.** βL·(r + 2t) ≤ ½ leaves little beyond h ≤ ¼, and the other way round; where the lens ends J has
+//! * **Dominated terms.** βL·(r + 2t) ≤ ½ leaves little beyond h ≤ ¼, and the other way round; where the lens ends J has
 //!   no positive determinant, and next to it β is large. The conditions on h, on the end and on rounding close the proof,
 //!   and no test needs it; the terms of one step are each compared with the steps themselves.
 

@@ -3,6 +3,7 @@
 use super::GoOn;
 use super::edges::{Face, Side, by_edge, sides};
 use super::shells::Sets;
+use crate::num::roundoff::EPSILON;
 use crate::scene::{Mesh, weld};
 use glam::{DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -236,10 +237,9 @@ fn inside_out(mesh: &Mesh, faces: &[Face], whole: &[Option<u32>]) -> usize {
     }
     let is_negative = |(volume, magnitude, count): &(f64, f64, u32)| {
         // Corners have 24 bits, so the products of b and c are exact. Their difference, the product with a and two
-        // sums round once each, and each of the n additions rounds once more: gamma(n + 4) of the sum of magnitudes
-        // (Higham, "Accuracy and Stability of Numerical Algorithms", 2002, chapter 3), doubled for the rounding of
-        // that sum itself.
-        let bound = 2.0 * f64::from(count + 4) * 2f64.powi(-53) * magnitude;
+        // sums round once each, and each of the n additions rounds once more: γₙ₊₄ of the sum of magnitudes
+        // (lemmas 2 and 3 of docs/error-bounds.md), doubled for the rounding of that sum itself.
+        let bound = 2.0 * f64::from(count + 4) * EPSILON * magnitude;
         *count > 0 && *volume < -bound
     };
     sums.iter().filter(|sum| is_negative(sum)).count()

@@ -3,5 +3,6 @@
 pub(crate) mod double_double;
 pub(crate) mod exact;
 pub(crate) mod integer;
+pub(crate) mod roundoff;
 pub(crate) mod simd;
 mod wide;

@@ -68,7 +68,7 @@ fn clipped_packets_equal_clipped_single_rays() {
                     let mut all = Vec::new();
                     accel.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut all);
                     let single = accel.clipped(&planes);
-                    for simd in [Simd::Plain, Simd::best()] {
+                    for simd in Simd::available() {
                         let accel = accel.clone().with_simd(simd);
                         let mut hits = Vec::new();
                         accel.clipped(&planes).cast_lattice(

@@ -8,7 +8,7 @@
 //! edge function is d·(P×Q) + (i·a + j·b)·(d×(Q−P)), and the depth P₀·n/(d·n) less (i·a + j·b)·n/(d·n).
 //!
 //! # Error bounds
-//! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`); products of magnitudes are taken component by component, and |x|×|y|
+//! ε = 2⁻⁵³ (notation and lemmas: `docs/error-bounds.md`); products of magnitudes are taken component by component, and |x|×|y|
 //! is the cross product with all its terms added.
 //!
 //! * **Cross products.** P is off by ε|P| and by η, the origin's own error, which is the same for all corners; a
@@ -25,15 +25,15 @@
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
 //!   roundings are used, and by η times the vector. P₀·n is taken at the corner where that is least; where it is not
 //!   clear, P₀·(P₁×P₂) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is
-//!   off by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself: we take 2.
+//!   off by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself (lemma 6): we take 2.
 //!   Inverse and products round a key by 3ε of itself; its denominator's bound is 12ε of itself at least, of which it
 //!   needs 8, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
 //!   afterwards, as in `setup`. Units of depth are powers of two, and round nothing.
 //!
 //! * **Exact factors.** From an eye that is not off, P₀·n is computed exactly where its sign is not clear, and P×Q where an
-//!   edge function is off by more than [`COARSE`] of itself: planes, or edges' lines, that pass the eye within
+//!   edge function is off by more than [`RECOMPUTE_ABOVE`] of itself: planes, or edges' lines, that pass the eye within
 //!   roundings. Each is rounded once, by 1.01ε of itself: the bound of products stays 12ε, and 4ε is taken for P₀·n.
-//!   Neither has a test of its own: the latter is far below [`LINEAR_ERROR`], by which the key is off too, and of the nine
+//!   Untested, because dominated: the latter is far below [`LINEAR_ERROR`], by which the key is off too, and of the nine
 //!   roundings in the former the 20εB along rays have room for eight.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
@@ -42,12 +42,10 @@
 
 use super::setup::{CornerLanes, LINEAR_ERROR, Linear, PacketSpace, REACH, Span, TriangleSetup};
 use crate::hit::Cull;
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::exact::{cross_from, distance_of_eye};
 use glam::{DVec3, Vec3, Vec3Swizzles};
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
 const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
@@ -55,7 +53,7 @@ const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 /// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed exactly:
 /// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed exactly that leave few
 /// rays undecided; with a greater one all rays of such an edge are.
-const COARSE: f64 = 1.0 / (1 << 12) as f64;
+const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
 #[derive(Clone, Copy)]
@@ -308,7 +306,7 @@ impl PacketSpace {
     fn edge(&self, corners: [Vec3; 2], (from, to, u): (DVec3, DVec3, DVec3)) -> (Linear, f64) {
         let (function, error) = self.edge_function(&Bounded::cross(from, to, u), u);
         // NaN is computed again.
-        let is_accurate = error <= COARSE * function.reach();
+        let is_accurate = error <= RECOMPUTE_ABOVE * function.reach();
         if is_accurate || !self.perspective || self.origin_error != 0.0 {
             return (function, error);
         }

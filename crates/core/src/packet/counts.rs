@@ -8,9 +8,9 @@ pub struct CastCounts {
     /// Triangles tested against a packet's rays, counted once a packet: those set up, and small ones merged without
     /// set-up.
     pub triangles: u64,
-    /// Rays that single precision left undecided and double precision decided.
+    /// Rays that packets left undecided and the single ray decided in double precision.
     pub double_rays: u64,
-    /// Rays that double precision left undecided too, decided by exact arithmetic.
+    /// Rays for which it needed exact arithmetic.
     pub exact_rays: u64,
 }
 

@@ -30,7 +30,7 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 
 /// The greatest m' at which single precision serves: above it triangles are bounded in double precision. It is the m' of
 /// small triangles as [`ray_bounds`](super::ray_bounds) has it.
-const COARSE: f32 = 0.125;
+const MOST_PLACE_ERROR: f32 = 0.125;
 
 /// Eight triangles projected into a packet.
 pub(super) struct PlacedTriangles {
@@ -122,7 +122,7 @@ impl PlacedTriangles {
         let (top, bottom) = (top - error, bottom + error);
         let beside = right.lt(lanes.splat(around.left)) | lanes.splat(around.right).lt(left);
         let above = bottom.lt(lanes.splat(around.top)) | lanes.splat(around.bottom).lt(top);
-        let serves = projected.safe & error.lt(lanes.splat(COARSE));
+        let serves = projected.safe & error.lt(lanes.splat(MOST_PLACE_ERROR));
         let missed = projected.behind | (serves & (beside | above));
         let seen = !missed.bits() & ((1 << count) - 1);
         self.small = 0;

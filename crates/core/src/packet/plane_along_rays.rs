@@ -15,13 +15,9 @@
 //! Where the sum is close to zero G·K and N are equal, and 4u·G·K is a twelfth of what evaluation takes: no test shows it.
 
 use super::setup::{LINEAR_ERROR, Linear, PacketSpace, REACH};
+use crate::num::roundoff::EPSILON;
+use crate::num::roundoff::U;
 use crate::triangle::clip::AtEye;
-
-/// The unit roundoff of single precision.
-const UNIT: f64 = f32::EPSILON as f64 / 2.0;
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The greatest K. Beyond it the factor of the key would leave the normal numbers of single precision.
 const GREATEST_KEY: f64 = 1e30;
@@ -91,9 +87,9 @@ impl PlaneAlongRays {
         let constant = constant + x * i + y * j + self.by_key * self.reference;
         let size = constant.abs() + REACH * (x.abs() + y.abs());
         let (key_error, by_key) = (f64::from(key_error), self.by_key.abs());
-        let error = by_key * (key_error + 4.0 * UNIT * greatest)
+        let error = by_key * (key_error + 4.0 * U * greatest)
             + self.by_key_error * (greatest + key_error + self.reference.abs())
-            + size * (LINEAR_ERROR + UNIT)
+            + size * (LINEAR_ERROR + U)
             + self.error;
         // The terms of the sum may be greater than it.
         let size = size + by_key * (greatest + 2.0 * self.reference.abs());
@@ -150,9 +146,9 @@ mod tests {
                 value: value + error * random.signed().signum(),
                 error,
             };
-            let off = [UNIT, 1e-4][round / 10 % 2];
+            let off = [U, 1e-4][round / 10 % 2];
             let key = [((1.0 + off * random.signed()) / depth) as f32, 0.0, 0.0];
-            let key_error = ((off + 2.0 * UNIT) / depth) as f32;
+            let key_error = ((off + 2.0 * U) / depth) as f32;
             let (i, j) = ((column / 2.0).floor(), (row / 2.0).floor());
             let found = space.along_rays(&at_eye).at_key(key, key_error, (i, j));
             let [constant, x, y] = found.function;

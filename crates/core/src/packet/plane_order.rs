@@ -25,12 +25,10 @@
 use super::params::{CELLS, ROW};
 use super::setup::{Linear, PacketSpace, REACH};
 use crate::hit::MISS;
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
 use crate::triangle::plane::{LEAST, Plane};
 use glam::Vec3;
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The error of places in single precision, 4u of the furthest: a place, a cell's centre and half of its extent are each
 /// rounded by u of at most [`REACH`], and one u is for higher orders.

@@ -53,11 +53,9 @@ use super::setup::{CornerLanes, PacketSpace};
 use super::slivers::{ProjectedCorners, SliverBounds};
 use super::small_triangles::{SmallCoverage, SmallEdges};
 use crate::hit::Cull;
+use crate::num::roundoff::U;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use glam::DVec3;
-
-/// The unit roundoff of single precision.
-const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// By how much bounds grow beyond the errors of places: 2⁻⁹ columns. Rounding needs [`PLACE_ERROR`] of it; with less,
 /// hits are lost; with more, more triangles between rays are set up.
@@ -154,22 +152,22 @@ impl Projector {
         } else {
             0.0
         };
-        let depth_error = 5.0 * UNIT * shift[2].abs();
+        let depth_error = 5.0 * U * shift[2].abs();
         Self {
             perspective: space.perspective,
             cull: space.cull,
             origin,
             map: space.map.map(|row| row.as_vec3().to_array()),
             shift: shift.map(|s| s as f32),
-            least_reach: (space.origin_error / UNIT
-                + 128.0 * f64::EPSILON * space.obliqueness / UNIT * moved)
+            least_reach: (space.origin_error / U
+                + 128.0 * f64::EPSILON * space.obliqueness / U * moved)
                 as f32,
             most_reach: most_reach as f32,
-            depth_error: [depth_error as f32, (10.0 * UNIT * z) as f32],
+            depth_error: [depth_error as f32, (10.0 * U * z) as f32],
             margin: [
                 (MARGIN + 2.0 * space.ray_error) as f32,
                 (1.25 * place_share * depth_error) as f32,
-                (1.25 * 10.0 * UNIT * (wide + place_share * z)) as f32,
+                (1.25 * 10.0 * U * (wide + place_share * z)) as f32,
             ],
             last: space.last.into(),
         }

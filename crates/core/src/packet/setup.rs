@@ -10,7 +10,7 @@
 //! is linear.
 //!
 //! # Error bounds
-//! ε = 2⁻⁵³ (notation: `docs/error-bounds.md`). All bounds are to first order in ε; each constant is rounded up
+//! ε = 2⁻⁵³ (notation and lemmas: `docs/error-bounds.md`). All bounds are to first order in ε; each constant is rounded up
 //! by more than the higher orders.
 //!
 //! * **T.** Perspective: a and b are the steps from ray to ray along columns and rows, s their length, d the
@@ -25,7 +25,7 @@
 //!   or |Y| and Z the greatest |Z| (orthographic: 2A·s + Z).
 //! * **Edge functions.** With W the greatest third coordinate (Z, or 1 and exact), the cross product m of two corners
 //!   is off by 2KδW + 2Aδ + 4εAW in its first two components and by 4KδA + 4εA² in the third. Moving to a place in the
-//!   packet rounds twice more. At places up to h ([`REACH`]): E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for
+//!   packet rounds twice more (lemma 5). At places up to h ([`REACH`]): E = (A + hW)·(4(K + h)δ + 32εA); orthographic: 4K for
 //!   4(K + h), since W is exact.
 //! * **Rays.** A ray's direction is rounded on its way to unit length by 8εB a component, which T makes
 //!   14εK·B/D, and its place on the plane by εK: below 32εK·B/D columns or rows, so edge functions and n are off
@@ -34,15 +34,15 @@
 //!   of F = (A·M + Z·L)·(16(K + h)δ + 24εL) + 12δ·A·L. Orthographic depths are (P₀·n − n₁i − n₂j)/n₃, whose numerator
 //!   is off by F with A + h for A, and n₃ by 8KδL + 8εL².
 //! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its
-//!   parts are off by, relative to itself: we take 2. The key is made relative to the packet's reference
+//!   parts are off by, relative to itself (lemma 6): we take 2. The key is made relative to the packet's reference
 //!   (`depth_reference`) after that: these errors are as large as the whole key makes them, and only
 //!   [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
-//! * **What covers what.** δ ≥ 72ε·2.1·A/K' with K' = D/s (orthographic: 1/s), and δ ≥ 79ε·Z·B/D. So Kδ ≥ 151εA, and
+//! * **Dominated terms.** δ ≥ 72ε·2.1·A/K' with K' = D/s (orthographic: 1/s), and δ ≥ 79ε·Z·B/D. So Kδ ≥ 151εA, and
 //!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it. Inverse and product round the key
 //!   by 4ε of itself at most; since |P₀·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself
 //!   through its denominator. Rays of a lattice move edge functions by 128εK(B/D)AZ at most: E has 316 of these. An
 //!   orthographic eye is off by less than its rays' origins are.
-//! * **What covers the key's numerator in perspective.** It is off by (L + iM)·4(K + h)δ at a place i. Keys count
+//! * **Dominated: the key's numerator in perspective.** It is off by (L + iM)·4(K + h)δ at a place i. Keys count
 //!   where rays hit the triangle: a hit of depth z is a mean of the corners, so z ≤ Z and i ≤ A/z, and the numerator
 //!   is off by a quarter of F/z. A lattice's rays move it by 32εK(B/D)LM, a tenth of F/z as M ≤ 4Z. The key is 1/z,
 //!   and of the 2F/z that are taken of its denominator's error 4/3·(1/2 + 1/4 + 1/10) are needed. Rays at places of
@@ -54,6 +54,7 @@ mod space;
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
 use crate::hit::Cull;
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
 use glam::Vec3;
 pub(crate) use space::PacketSpace;
@@ -61,9 +62,6 @@ pub(crate) use space::PacketSpace;
 /// The furthest place from a packet's first ray at which functions are evaluated; rows of lanes may reach beyond the
 /// packet.
 pub(super) const REACH: f64 = (SIDE + ROW) as f64;
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// Relative error of a linear function of the place evaluated in single precision, in units of the sum of its
 /// terms' greatest magnitudes, M = |f₀| + |f_x|·w + |f_y|·h.

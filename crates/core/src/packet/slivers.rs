@@ -16,7 +16,7 @@
 //! Dividing by e_x moves a column by 6u of at most 2·[`SIDE`], less than [`SLACK`]; what lies further out stays
 //! outside.
 //!
-//! **What covers what.** Of the 24uP² rounding needs 18. The rest covers the rounding of relative corners once more,
+//! **Dominated terms.** Of the 24uP² rounding needs 18. The rest covers the rounding of relative corners once more,
 //! uP(|e_x| + |e_y|) ≤ 4uP². [`SLACK`] is for dividing alone; 24uP², divided by |e_x| ≤ 2P with P ≥ [`SIDE`], is as
 //! much as dividing takes, 384u columns.
 //! Where the area's sign is wrong, the area is less than 24uP², and so is every edge function inside: turned, none is
@@ -28,10 +28,8 @@
 
 use super::lane_math::{Three, cross, most, relative_to, round};
 use super::params::{SIDE, SMALL_SIDE};
+use crate::num::roundoff::U32;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
-
-/// The unit roundoff of single precision.
-const UNIT: f32 = 1.0 / (1 << 24) as f32;
 
 /// The largest thickness of a sliver, in columns: its doubled area over its length. With a larger limit spans would
 /// be computed for triangles that hit most rows of their box, where they cull little; with a smaller one slivers
@@ -126,8 +124,8 @@ impl<L: Lanes> SliverBounds<L> {
         // Places lie within `reach` of the box's own first place.
         let scale = reach * (0.5 / SIDE as f32) + 1.0;
         let off = placed.off * scale;
-        let off = off + reach * UNIT;
-        let rounding = reach * reach * (24.0 * UNIT);
+        let off = off + reach * U32;
+        let rounding = reach * reach * (24.0 * U32);
         let sure = (rounding * 4.0).lt(area.abs());
         let slack = Slack {
             turned: area.lt(zero),
@@ -402,7 +400,7 @@ mod tests {
                 .fold(0.0f64, |most, x| most.max(x.abs()));
             let [(px, py), (qx, qy)] =
                 [p, q].map(|[x, y]| (lanes.splat(x as f32), lanes.splat(y as f32)));
-            let bound = lanes.splat((reach * reach) as f32 * (24.0 * UNIT));
+            let bound = lanes.splat((reach * reach) as f32 * (24.0 * U32));
             let [upper, upper_without] = [bound, lanes.splat(0.0)].map(|rounding| {
                 let slack = Slack {
                     turned: lanes.splat(1.0).lt(lanes.splat(0.0)),

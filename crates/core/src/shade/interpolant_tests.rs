@@ -156,7 +156,7 @@ fn every_instruction_set_gives_one_places_numbers_to_the_bit() {
         let offset = random.unit();
         let xs = std::array::from_fn(|lane| lane as f64 + offset);
         let y = 8.0 * random.unit();
-        for simd in [Simd::Plain, Simd::best()] {
+        for simd in Simd::available() {
             let (mut numbers, mut found) = ([[0.0; LANES]; 3], Rows::ZERO);
             let work = Eight {
                 rays: &rays,

@@ -32,12 +32,10 @@
 
 use super::vectors::{Row, Vectors};
 use crate::camera::{Camera, Projection};
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::ray::relative_origin;
 use glam::{DVec3, Vec3};
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The largest error of weights, and relative error of t, before rounding to single precision.
 const LARGEST_ERROR: f64 = 1.0 / (1u64 << 25) as f64;

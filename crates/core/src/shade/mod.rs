@@ -74,7 +74,9 @@ pub(crate) use eight_channels::Channels;
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
 pub use mapping::{texture_corners, texture_point};
-pub use mode::{Background, Filter, Ground, GroundError, LightSet, Mode, Shading, Wireframe};
+pub use mode::{
+    Background, Filter, Ground, GroundError, LightSet, Mode, Shading, Shows, Wireframe,
+};
 pub use own_color::own_color;
 pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};

@@ -33,13 +33,52 @@ pub enum Mode {
     XRay,
 }
 
+/// What a [`Mode`] shows of surfaces: shading computes no more than that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shows {
+    /// The objects' own colours.
+    pub colors: bool,
+    /// Textures over them.
+    pub textures: bool,
+    /// Interpolated normals.
+    pub normals: bool,
+    /// Surfaces, which may be translucent, and sections where clipping planes cut them; else properties of hits.
+    pub surfaces: bool,
+}
+
 impl Mode {
-    /// Whether it shows interpolated normals.
-    pub(crate) fn shows_normals(self) -> bool {
-        matches!(
-            self,
-            Self::Smooth | Self::Material | Self::Normals | Self::XRay
-        )
+    /// What it shows.
+    pub fn shows(self) -> Shows {
+        let nothing = Shows::default();
+        let unlit = Shows {
+            colors: true,
+            surfaces: true,
+            ..nothing
+        };
+        let flat = Shows {
+            textures: true,
+            ..unlit
+        };
+        let normals = Shows {
+            normals: true,
+            ..nothing
+        };
+        match self {
+            Self::Color => unlit,
+            Self::Flat | Self::Texture => flat,
+            Self::Smooth | Self::Material => Shows {
+                normals: true,
+                ..flat
+            },
+            // All surfaces are translucent in their own way, and sections are not filled.
+            Self::XRay => Shows {
+                colors: true,
+                textures: true,
+                ..normals
+            },
+            Self::Normals => normals,
+            Self::Depth | Self::Barycentric | Self::Uv | Self::Wireframe => nothing,
+        }
     }
 
     /// Each of them.
@@ -293,7 +332,7 @@ impl Default for Shading {
 impl Shading {
     /// Whether meshes without normals get those of the crease angle.
     pub fn is_creased(&self) -> bool {
-        self.crease > 0.0 && self.mode.shows_normals()
+        self.crease > 0.0 && self.mode.shows().normals
     }
 
     /// The initial settings of windows, where files set nothing: smooth edges up to 40°, three lights, and a warm

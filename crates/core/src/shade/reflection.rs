@@ -336,7 +336,7 @@ mod tests {
                 numbers[0][lane] = surface.metallic;
                 numbers[1][lane] = surface.roughness;
             }
-            for simd in [Simd::Plain, Simd::best()] {
+            for simd in Simd::available() {
                 let mut found = Rows::ZERO;
                 let eight = Eight {
                     lights: &lights,

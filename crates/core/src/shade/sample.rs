@@ -471,7 +471,7 @@ mod tests {
                         uv[1] = [f64::NEG_INFINITY, -1e-30, 0.0, -0.0, 1.0, 1e-300, 0.5, 2.0];
                     }
                     for filter in [Filter::Nearest, Filter::Bilinear] {
-                        for simd in [Simd::Plain, Simd::Avx2] {
+                        for simd in Simd::available() {
                             let mut found = [[0.0; LANES]; 4];
                             let work = SampleEight {
                                 texture,

@@ -145,7 +145,7 @@ fn check(scene: &Scene, shadings: &[Shading]) {
     let hit = |(x, y)| accel.cast_primitive(&camera.ray(x, y), Cull::None, Precision::Exact);
     let hits: Hits = places((0.5, 0.5)).map(hit).collect();
     let (mut lines, mut alone, mut misses) = (0, 0, 0);
-    for simd in [Simd::Plain, Simd::best()] {
+    for simd in Simd::available() {
         let accel = accel.clone().with_simd(simd);
         for &shading in shadings {
             let mode = shading.mode;

@@ -83,12 +83,7 @@ impl<'a> Section<'a> {
         mode: Mode,
         (clip, cull): (&ClippingPlanes, Cull),
     ) -> Option<Self> {
-        let is_shown = cull == Cull::None
-            && !camera.has_an_eye_a_column()
-            && matches!(
-                mode,
-                Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture
-            );
+        let is_shown = cull == Cull::None && !camera.has_an_eye_a_column() && mode.shows().surfaces;
         let lights = Lights::new(&camera, LightSet::Soft);
         let eye = camera.placement().eye;
         let (base, to_eye) = (srgb::linear(SECTION), -camera.forward().as_vec3());

@@ -29,7 +29,7 @@ use crate::hit::{Cull, MISS, PrimitiveHit};
 use crate::num::simd::{LANES, Lanes, Simd, Work, dispatch};
 use crate::scene::{Attribute, ClippingPlanes, ColorScale, Masks, Scene, Texture};
 use glam::{DVec3, Mat3, Vec3};
-use needs::{is_colored, needs_of};
+use needs::needs_of;
 use std::sync::Arc;
 use triangles::{creased, world_normals};
 
@@ -81,7 +81,7 @@ pub struct Shader<'a> {
 impl<'a> Shader<'a> {
     /// A shader for one picture. `accel` must have been built over this `scene`.
     pub fn new(scene: &'a Scene, accel: &'a Accel, camera: Camera, shading: Shading) -> Self {
-        let colored = is_colored(shading.mode);
+        let colored = shading.mode.shows().colors;
         let own_colors = OwnColors::new(scene, &camera, &shading, colored);
         let ground = (shading.ground).and_then(|ground| GroundGrid::new(scene, ground, &camera));
         let needs = Needs {
@@ -247,7 +247,7 @@ impl<'a> Shader<'a> {
                     ..scale
                 },
             }),
-            _ if is_colored(self.shading.mode) => {
+            _ if self.shading.mode.shows().colors => {
                 Legend::of_objects(self.scene, &self.camera, &self.shading)
             }
             _ => None,

@@ -1,6 +1,7 @@
 use crate::camera::Camera;
 use crate::num::exact::{Scale, Vector, cross, dot, subtract};
 use crate::num::integer::Integer;
+use crate::num::roundoff::EPSILON;
 use glam::{DVec3, Vec3};
 use num_bigint::BigInt;
 use std::cmp::Ordering;
@@ -47,7 +48,7 @@ impl Sides {
             p.z * q.x + p.x * q.z,
             p.x * q.y + p.y * q.x,
         );
-        let error = products.dot(size) * (16.0 * f64::EPSILON / 2.0);
+        let error = products.dot(size) * (16.0 * EPSILON);
         // Corners are at most 1e18 and, unless they coincide with the eye along an axis, products of differences stay
         // above the smallest normal number; what leaves the range is decided exactly.
         if value.abs() > error + f64::MIN_POSITIVE {

@@ -69,7 +69,7 @@ fn every_instruction_set_gives_one_pixels_colours_to_the_bit() {
             let normal = facet.normal_at(u[lane], v[lane]);
             facet.color * lights.on(normal, to_eye * (1.0 / to_eye.length()))
         });
-        for simd in [Simd::Plain, Simd::Avx2] {
+        for simd in Simd::available() {
             let mut colors = Rows::ZERO;
             let pixels = Pixels {
                 facet: &facet,

@@ -426,7 +426,7 @@ mod tests {
                     [r, g, b, if is_opaque { 1.0 } else { a.clamp(0.0, 1.0) }]
                 };
                 let colors: Vec<_> = (0..count).map(color).collect();
-                for simd in [Simd::Plain, Simd::Avx2] {
+                for simd in Simd::available() {
                     let mut pixels = vec![[0; 4]; count];
                     encode_all_premultiplied(simd, &colors, &mut pixels);
                     let expected: Vec<_> = colors

@@ -31,10 +31,10 @@ impl Translucent {
     pub(super) fn of(scene: &Scene, shading: &Shading) -> Option<Self> {
         match shading.mode {
             Mode::XRay => Some(Self::All(shading.x_ray_opacity.clamp(0.0, 1.0))),
-            Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture => scene
+            mode if mode.shows().surfaces => scene
                 .objects_whose(|opacity| matches!(opacity, Opacity::Blend(_)))
                 .map(Self::Blended),
-            Mode::Normals | Mode::Depth | Mode::Barycentric | Mode::Uv | Mode::Wireframe => None,
+            _ => None,
         }
     }
 

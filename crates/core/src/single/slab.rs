@@ -4,6 +4,7 @@
 //! rounding error of both ends.
 
 use crate::bvh::tree::{Box32, BoxPair};
+use crate::num::roundoff::EPSILON;
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
@@ -23,9 +24,6 @@ const SLACK: f32 = 14.0 / (1 << 24) as f32;
 /// ray close to the scene. From nearer, rounding errors are a few units of the scene's size, and no such point is
 /// needed; from further away errors proportional to the distance would make rays enter boxes that they miss.
 const FAR: f64 = 4.0;
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// A ray prepared for tests against boxes. Distances are in units of the advance along the major axis, measured from
 /// the ray's start: the origin or, where that is far away, a point close to the scene, so that rounding errors are

@@ -51,7 +51,7 @@ fn ties_at_t_zero_go_to_the_lowest_number() {
     }
 }
 
-/// The origin relative to the tree's origin is rounded to single precision, a nanometre beside the truth. The ray crosses
+/// The origin relative to the tree's origin is rounded to double precision, a nanometre beside the truth. The ray crosses
 /// that nanometre over a hundredth of a unit, and hits a box that is a single point there.
 #[test]
 fn boxes_touched_within_the_origins_error_are_entered() {

@@ -21,14 +21,12 @@
 use super::Nearest;
 use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, subtract};
 use crate::num::integer::Integer;
+use crate::num::roundoff::EPSILON;
 use crate::ray::Ray;
 use crate::scene::{ClippingPlane, ClippingPlanes};
 use glam::{DVec3, Vec3};
 use num_bigint::BigInt;
 use std::cmp::Ordering;
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The least normal number, which is more than what underflow loses (above).
 const TINY: f64 = f64::MIN_POSITIVE;

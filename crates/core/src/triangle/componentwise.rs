@@ -17,10 +17,8 @@
 //! No term leaves double precision's range while its factors are zero or within 2^±300.
 
 use crate::num::double_double::DoubleDouble;
+use crate::num::roundoff::EPSILON;
 use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The least and greatest magnitude of a factor other than zero.
 const RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);

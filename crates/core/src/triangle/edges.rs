@@ -1,7 +1,6 @@
 //! Edge functions of a triangle along one ray, in double precision, with bounds on their errors.
 
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
+use crate::num::roundoff::EPSILON;
 
 /// The largest relative error of a weight, in units of the weights' sum, that still rounds well to single precision:
 /// 2⁻²⁸, a sixteenth of its unit roundoff. With a larger one u and v lose digits; with a smaller one more hits are
@@ -29,7 +28,7 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
 /// A triangle's edge functions for one ray, in double precision.
 ///
 /// # Error bounds
-/// ε = 2⁻⁵³ (notation: `docs/error-bounds.md`), m the greatest coordinate of the corners relative to the ray's
+/// ε = 2⁻⁵³ (notation and lemmas: `docs/error-bounds.md`), m the greatest coordinate of the corners relative to the ray's
 /// origin, η the error of that origin.
 ///
 /// * **Sheared corners.** A corner relative to the origin is off by εm + η a coordinate, a shear factor of at most 1
@@ -38,7 +37,7 @@ pub(super) fn major_axis(x: f64, y: f64, z: f64) -> usize {
 /// * **Edge functions.** `cx·by − cy·bx` of coordinates within δ is off by δ(|cx| + |by| + |cy| + |bx|) + 2δ², and
 ///   by 2ε(|cx·by| + |cy·bx|) from its own rounding, which is below half the first term since |cx| ≤ 2m. Summed over
 ///   all corners: E = 2δ(Σ|x| + Σ|y| + δ).
-/// * **Depth.** It is the mean of the corners' depths z weighted by the edge functions. Errors of E move it by at
+/// * **Depth.** It is the mean of the corners' depths z weighted by the edge functions (lemma 7). Errors of E move it by at
 ///   most 3E·(max z − min z)/|D|, D their sum; its own rounding, and that of the depths, is below 10εm + η. With
 ///   higher orders: 4E·(max z − min z)/|D| + 2δ.
 ///

@@ -6,6 +6,7 @@
 
 use super::edges::{Edges, axes, greater, major_axis};
 use crate::camera::{Camera, Lattice, Projection, Vectors};
+use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 
 pub(crate) use crate::num::simd::LANES;
@@ -198,7 +199,7 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
             origin[2] - tree_origin[2],
         ];
         let far = greater(greater(o[0].abs(), o[1].abs()), o[2].abs());
-        let origin_error = far * (f64::EPSILON / 2.0) * off;
+        let origin_error = far * EPSILON * off;
 
         let advance = direction[kz];
         let shear = [direction[kx] / advance, direction[ky] / advance];

@@ -27,18 +27,16 @@
 //!   that, since a unit vector's longest coordinate is at least 1/√3. The functions' a·N is off by 54εme² + 6ηe², t by
 //!   less than a tenth of K·e/|D·N| for that, and as much for D·N. With the roundings of t and |D|: 2K·e/|D·N| + 4δ +
 //!   32εt.
-//! * **What covers what.** |D·N| ≤ 6Re², so K/|D·N| ≥ 183εm/e. Then t's first term is more than 366εm, and covers 4δ and
+//! * **Dominated terms.** |D·N| ≤ 6Re², so K/|D·N| ≥ 183εm/e. Then t's first term is more than 366εm, and covers 4δ and
 //!   the roundings: t ≤ √3·m. As e ≤ 2m, a weight's 8ε are covered too. Where K/|D·N| ≤ 2⁻²⁸, δ is less than 2⁻³²e.
 //! * **The same path.** Where K/|D·N| ≤ 2⁻²⁸ and each weight is greater than its bound, the single ray's edge functions
 //!   are beyond E and well conditioned; where t's bound is at most 2⁻²⁸t, its t is good to single precision.
 
 use super::interpolate::{LANES, RowHits};
 use crate::camera::{Lattice, Projection};
+use crate::num::roundoff::EPSILON;
 use crate::ray::relative_origin;
 use glam::{DVec3, Vec3};
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// The largest relative error that is accurate to single precision: a sixteenth of its unit roundoff, half of the
 /// single ray's limit.

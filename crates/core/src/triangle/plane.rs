@@ -19,10 +19,8 @@
 use super::Nearest;
 use super::componentwise::{Determinant, plane_distance};
 use super::exact::distance_of_eye;
+use crate::num::roundoff::EPSILON;
 use glam::{DVec3, Vec3};
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// Values below this may have lost digits to underflow, and their signs prove nothing.
 ///

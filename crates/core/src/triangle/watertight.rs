@@ -14,13 +14,11 @@ use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, PlacedTriangle};
 use crate::hit::{Cull, Precision};
+use crate::num::roundoff::EPSILON;
 use crate::ray::{Ray, relative_origin};
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::cmp::Ordering;
-
-/// The unit roundoff of double precision.
-const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// A ray prepared for tests against many triangles.
 #[derive(Clone, Debug)]

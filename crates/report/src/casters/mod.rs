@@ -30,7 +30,7 @@ use obvhs_cwbvh::ObvhsCwBvh;
 use one_ray::SingleRayCaster;
 use plane_inside::PlaneInside;
 use raycast_core::glam::{DVec3, Vec3};
-use raycast_core::{Accel, Precision, Simd};
+use raycast_core::{Accel, Precision};
 use std::sync::Arc;
 use watertight::Watertight;
 
@@ -49,14 +49,6 @@ pub fn raycast(accel: &Arc<Accel>) -> Vec<Box<dyn Caster>> {
 /// RayCast's packet traversal; `accel` carries the instruction set.
 pub fn raycast_simd(accel: &Arc<Accel>, precision: Precision) -> Box<dyn Caster> {
     Box::new(raycast::Tile::with_simd_in_name(accel, precision))
-}
-
-/// The instruction sets of this machine, from scalar to the widest.
-pub fn instruction_sets() -> Vec<Simd> {
-    [Simd::Plain, Simd::Avx2]
-        .into_iter()
-        .filter(|&simd| simd <= Simd::best())
-        .collect()
 }
 
 fn caster<T: one_ray::SingleRay + 'static>(

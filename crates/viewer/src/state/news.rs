@@ -150,7 +150,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             state.typed = None;
             state.forget_errors_of([&path]);
             return change(state, "Texture", |state| {
-                if !shows_textures(state.settings.shading.mode) {
+                if !state.settings.shading.mode.shows().textures {
                     state.settings.shading.mode = Mode::Smooth;
                 }
                 objects::change(state, which, |object| {
@@ -288,12 +288,4 @@ pub fn expire_toasts(state: &mut State, now: Duration) -> Option<Duration> {
     state.toasts.retain(|toast| now < toast.since + SHOWN);
     let next = state.toasts.iter().map(|toast| toast.since + SHOWN).min()?;
     Some(next.saturating_sub(now))
-}
-
-/// Whether a mode shows the surfaces' textures.
-fn shows_textures(mode: Mode) -> bool {
-    matches!(
-        mode,
-        Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture | Mode::XRay
-    )
 }

@@ -27,18 +27,27 @@ impl Simd {
     /// All of them.
     const ALL: [Self; 3] = [Self::Plain, Self::Neon, Self::Avx2];
 
+    /// Those that this machine has, from the plainest to the widest.
+    pub fn available() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|simd| simd.is_available())
+    }
+
+    fn is_available(self) -> bool {
+        match self {
+            Self::Plain => true,
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => Level::new().as_neon().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => Level::new().as_avx2().is_some(),
+            // Of other architectures.
+            _ => false,
+        }
+    }
+
     /// The widest that this machine has. There is no variant with sixteen lanes (AVX-512): small triangles seldom
     /// bound more than eight rays of a row, and frames took as long as with eight, within 2 %.
     pub fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if Level::new().as_avx2().is_some() {
-            return Self::Avx2;
-        }
-        #[cfg(target_arch = "aarch64")]
-        if Level::new().as_neon().is_some() {
-            return Self::Neon;
-        }
-        Self::Plain
+        Self::available().last().unwrap_or(Self::Plain)
     }
 
     /// The name that statistics show.

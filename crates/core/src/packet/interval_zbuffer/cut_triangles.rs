@@ -16,15 +16,13 @@ use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
 use super::rasterize::COLUMNS;
 use super::{CELLS, IntervalZBuffer, ROW, SIDE};
+use crate::num::roundoff::U32;
 use crate::num::simd::{F32x8, Lanes};
 use crate::packet::decisions::Decisions;
 use crate::packet::plane_along_rays::PlaneAtKey;
 use crate::packet::setup::TriangleSetup;
 use crate::scene::CLIPPING_PLANES;
 use crate::triangle::clip::AtCorners;
-
-/// The unit roundoff of single precision.
-const UNIT: f32 = f32::EPSILON / 2.0;
 
 /// An additional edge: the plane's values at the corners, and the bound on the error of their weighted sum; and its
 /// function along rays, which decides more next to the eye.
@@ -82,7 +80,7 @@ impl Cut {
         let value_error = f64::from(at.error) * (greatest(scales) / unit);
         let sum: f32 = values.iter().map(|value| value.abs()).sum();
         // A hundredth covers the rounding of the bound itself.
-        let error = 1.01 * (sum * (edge_error + 15.0 * UNIT) + 6.0 * value_error as f32);
+        let error = 1.01 * (sum * (edge_error + 15.0 * U32) + 6.0 * value_error as f32);
         Self {
             values,
             error,

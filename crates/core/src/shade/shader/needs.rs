@@ -144,17 +144,9 @@ impl Shader<'_> {
     }
 }
 
-/// Whether a mode shows the objects' own colours.
-pub(super) fn is_colored(mode: Mode) -> bool {
-    matches!(
-        mode,
-        Mode::Color | Mode::Flat | Mode::Smooth | Mode::Material | Mode::Texture | Mode::XRay
-    )
-}
-
 /// What a mode needs of triangles.
 pub(super) fn needs_of(scene: &Scene, shading: &Shading, own_colors: &OwnColors) -> Needs {
-    let colored = is_colored(shading.mode);
+    let shows = shading.mode.shows();
     let has_normals = || {
         let mut objects = scene.objects.iter();
         shading.is_creased() || objects.any(|object| object.mesh.has_normals())
@@ -170,12 +162,12 @@ pub(super) fn needs_of(scene: &Scene, shading: &Shading, own_colors: &OwnColors)
     };
     let has_texture = || scene.objects.iter().any(Object::has_texture);
     Needs {
-        normal: shading.mode == Mode::Flat || shading.mode.shows_normals(),
+        normal: shading.mode == Mode::Flat || shows.normals,
         light: shading.mode == Mode::Flat,
-        smooth: shading.mode.shows_normals() && has_normals(),
-        color: colored,
-        varied: colored && own_colors.vary,
-        texture: colored && shading.mode != Mode::Color && shading.blend > 0.0 && has_texture(),
+        smooth: shows.normals && has_normals(),
+        color: shows.colors,
+        varied: shows.colors && own_colors.vary,
+        texture: shows.textures && shading.blend > 0.0 && has_texture(),
         uvs: shading.mode == Mode::Uv || reflects && has_images(),
         reflectance: reflects,
         edges: shading.wireframe.is_some() || shading.mode == Mode::Wireframe,
