@@ -86,7 +86,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let recipe = Recipe::of(view);
     let rect = part.map(|part| part.rect);
     if args.resume && part.is_some() {
-        rendering.warn_resume("a fragment", part);
+        rendering.warn_resume("a fragment is never resumed");
     }
     let banded = match args.tiles.unfinished {
         None => Banded::new(&args.output, format, (&recipe, rect), &output, args.resume)?,
@@ -96,7 +96,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         Some(banded) => rendering.render_bands(banded, part)?,
         None => {
             if args.resume && part.is_none() {
-                rendering.warn_resume("a picture", part);
+                let (columns, rows) = rendering.size(None);
+                let why = format!("a picture of {columns}x{rows} is written in one piece");
+                rendering.warn_resume(&why);
             }
             rendering.check_memory(format, part)?;
             match part {
@@ -200,12 +202,9 @@ impl Rendering<'_> {
         memory::check_picture(&self.args.output, self.size(part), memory_for, otherwise)
     }
 
-    fn warn_resume(&self, what: &str, part: Option<SubCamera>) {
-        let (columns, rows) = self.size(part);
-        warn(&format!(
-            "{}: --resume has no effect: {what} of {columns}x{rows} is written in one piece",
-            self.args.output.display()
-        ));
+    fn warn_resume(&self, why: &str) {
+        let name = self.args.output.display();
+        warn(&format!("{name}: --resume has no effect: {why}"));
     }
 
     /// Renders a rectangle of the picture in tiles of a grid; adds its statistics to `sum`.
