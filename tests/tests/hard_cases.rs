@@ -203,7 +203,7 @@ fn no_ray_of_a_camera_leaves() {
             rays += tiles.iter().map(|tile| tile.len() as u64).sum::<u64>();
             let hits = |tile: &Lattice| {
                 accel
-                    .find(tile, Cull::None, Precision::Exact, &mut Vec::new())
+                    .find_closest(tile, Cull::None, Precision::Exact, &mut Vec::new())
                     .hits
             };
             hit += tiles.par_iter().map(hits).sum::<u64>();

@@ -358,9 +358,10 @@ mod tests {
                 lattice,
                 cull,
             } = &scenario;
-            let counts = stage
-                .accel
-                .find(lattice, *cull, Precision::Exact, &mut primitives);
+            let counts =
+                stage
+                    .accel
+                    .find_closest(lattice, *cull, Precision::Exact, &mut primitives);
             hits += u32::from(counts.hits > 0);
         }
         assert!(built > 300 && hits > 50, "{built} built, {hits} hit");

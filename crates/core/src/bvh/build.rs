@@ -1,7 +1,7 @@
 //! Building one tree over all triangles: treelets, and obvhs's clustering above them.
 
 use super::Accel;
-use super::copies::copies;
+use super::duplicates::duplicates;
 use super::flatten::{Reachable, World};
 use super::instances::Instances;
 use super::joined;
@@ -49,11 +49,11 @@ pub(super) fn build_world(world: World<'_>, depth_limit: usize) -> Accel {
         hashes,
         out_of_range,
     } = world.reachable();
-    let copies = copies(&world, &numbers, &hashes);
+    let duplicates = duplicates(&world, &numbers, &hashes);
     drop(hashes);
-    if !copies.is_empty() {
-        remove(&mut numbers, &copies);
-        remove(&mut boxes, &copies);
+    if !duplicates.is_empty() {
+        remove(&mut numbers, &duplicates);
+        remove(&mut boxes, &duplicates);
     }
     let (tree, order) = build_tree(&boxes, depth_limit);
     drop(boxes);

@@ -1,8 +1,8 @@
 //! The acceleration structure: a scene's triangles in one space, in the leaf order of a tree over them.
 
 mod build;
-mod copies;
 mod corner_hash;
+mod duplicates;
 mod flatten;
 mod instances;
 mod joined;

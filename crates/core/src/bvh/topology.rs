@@ -5,7 +5,7 @@
 //! that none can be wrong.
 
 use super::Triangle;
-use super::copies::copies;
+use super::duplicates::duplicates;
 use super::flatten::World;
 use super::layout::LEAF_LIMIT;
 use super::tree::{DEPTH_LIMIT, Tree};
@@ -93,7 +93,7 @@ fn levels(nodes: &[[u32; 2]], triangles: usize, level: usize) -> Option<usize> {
     Some(a?.max(b?))
 }
 
-/// Checks that an order contains each of a mesh's kept triangles once, except for copies, which no tree has.
+/// Checks that an order contains each of a mesh's kept triangles once, except for duplicates, which no tree has.
 fn check_order(mesh: &Mesh, order: &[u32]) -> Result<(), &'static str> {
     let count = mesh.triangles().len();
     let seen: Vec<AtomicU64> = (0..count.div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
@@ -121,9 +121,9 @@ fn check_order(mesh: &Mesh, order: &[u32]) -> Result<(), &'static str> {
     }
     let world = World::alone(mesh, None);
     let reachable = world.reachable();
-    let places = copies(&world, &reachable.numbers, &reachable.hashes);
-    let copies = places.into_iter().map(|at| reachable.numbers[at as usize]);
-    match copies.eq(absent) {
+    let places = duplicates(&world, &reachable.numbers, &reachable.hashes);
+    let duplicates = places.into_iter().map(|at| reachable.numbers[at as usize]);
+    match duplicates.eq(absent) {
         true => Ok(()),
         false => Err("a triangle is in no leaf"),
     }

@@ -115,7 +115,7 @@ pub(super) fn check(accel: &Accel, lattice: &Lattice, cull: Cull, sum: &mut Sum)
         accel.cast_lattice(lattice, cull, Precision::Exact, Detail::Full, hits);
     }
     let mut primitives = Vec::new();
-    let counts = accel.find(lattice, cull, Precision::Exact, &mut primitives);
+    let counts = accel.find_closest(lattice, cull, Precision::Exact, &mut primitives);
     let mut found = 0;
     for (at, hit) in hits[0].iter().enumerate() {
         let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);

@@ -1,8 +1,8 @@
 //! Casting lattices of rays. Rays that a packet leaves undecided are cast as single rays.
 
 mod around;
-mod evaluate;
 mod eyes;
+mod interpolate;
 
 use super::counts::CastCounts;
 use super::interval_zbuffer::IntervalZBuffer;
@@ -16,7 +16,7 @@ use crate::hits::Hits;
 use crate::num::simd::{Lanes, Work, dispatch};
 use crate::single::{self, Clipped};
 use crate::triangle::clip::Clip;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 use around::FindAround;
 
 impl Accel {
@@ -33,9 +33,9 @@ impl Accel {
         hits: &mut Vec<PrimitiveHit>,
     ) {
         let mut found = Hits::default();
-        self.find(lattice, cull, precision, &mut found.primitives);
+        self.find_closest(lattice, cull, precision, &mut found.primitives);
         if detail == Detail::Full {
-            self.evaluate(lattice, cull, precision, &mut found);
+            self.interpolate(lattice, cull, precision, &mut found);
         }
         hits.clear();
         hits.extend(found.iter());
@@ -43,17 +43,17 @@ impl Accel {
 
     /// Finds the closest triangle of each ray of a lattice: its primitive index or [`MISS`], row by row into
     /// `primitives`.
-    pub fn find(
+    pub fn find_closest(
         &self,
         lattice: &Lattice,
         cull: Cull,
         precision: Precision,
         primitives: &mut Vec<u32>,
     ) -> CastCounts {
-        self.find_kept(&Clip::NONE, lattice, cull, precision, primitives)
+        self.find_clipped(&Clip::NONE, lattice, cull, precision, primitives)
     }
 
-    fn find_kept(
+    fn find_clipped(
         &self,
         clip: &Clip,
         lattice: &Lattice,
@@ -106,23 +106,24 @@ impl Clipped<'_> {
         hits: &mut Vec<PrimitiveHit>,
     ) {
         let mut found = Hits::default();
-        self.find(lattice, cull, precision, &mut found.primitives);
+        self.find_closest(lattice, cull, precision, &mut found.primitives);
         if detail == Detail::Full {
-            self.accel.evaluate(lattice, cull, precision, &mut found);
+            self.accel.interpolate(lattice, cull, precision, &mut found);
         }
         hits.clear();
         hits.extend(found.iter());
     }
 
-    /// As [`Accel::find`], for the closest hits whose points are kept; [`Accel::evaluate`] interpolates t, u and v.
-    pub fn find(
+    /// As [`Accel::find_closest`], for the closest hits whose points are kept; [`Accel::interpolate`] interpolates t, u and v.
+    pub fn find_closest(
         &self,
         lattice: &Lattice,
         cull: Cull,
         precision: Precision,
         primitives: &mut Vec<u32>,
     ) -> CastCounts {
-        let mut counts = (self.accel).find_kept(&self.clip, lattice, cull, precision, primitives);
+        let mut counts =
+            (self.accel).find_clipped(&self.clip, lattice, cull, precision, primitives);
         counts.hits -= self.reject_masked(lattice, cull, precision, primitives);
         counts
     }
@@ -248,7 +249,7 @@ impl Find<'_> {
         let Some(ray) = ray else { return MISS };
         let nearest = match rivals {
             Some(rivals) if self.precision == Precision::Exact => {
-                let mut nearest = Nearest::NONE;
+                let mut nearest = BoundedHit::NONE;
                 for &(_, primitive) in rivals {
                     self.accel
                         .intersect_kept(self.clip, &ray, primitive, &mut nearest);

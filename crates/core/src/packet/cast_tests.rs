@@ -119,7 +119,7 @@ fn assert_numbers_alone_are_the_same(
             primitives: all.primitives.clone(),
             ..Hits::default()
         };
-        accel.evaluate_numbers(lattice, cull, Precision::Exact, numbers, &mut hits);
+        accel.interpolate_numbers(lattice, cull, Precision::Exact, numbers, &mut hits);
         hits
     };
     assert_eq!(alone(HitNumbers::T).t, all.t);
@@ -354,7 +354,7 @@ fn occluded_triangles_need_not_be_ordered() {
         let numbers = (0..shown.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
         let accel = build([mesh(positions, numbers.collect())]);
         let lattice = whole(front(DVec3::ZERO, 20.0, 0.03, Projection::Perspective));
-        let counts = accel.find(&lattice, Cull::None, precision, &mut Vec::new());
+        let counts = accel.find_closest(&lattice, Cull::None, precision, &mut Vec::new());
         counts.double_rays + counts.exact_rays
     };
     for order in [
@@ -442,7 +442,8 @@ fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
                 let camera = Camera::new(Placement { eye, target, up }, projection, plane);
                 hits += assert_tiles_equal_rays(&accel, camera);
                 let mut found = Vec::new();
-                let counts = accel.find(&whole(camera), Cull::None, Precision::Exact, &mut found);
+                let counts =
+                    accel.find_closest(&whole(camera), Cull::None, Precision::Exact, &mut found);
                 let undecided = counts.double_rays + counts.exact_rays;
                 assert!(undecided <= 40, "{counts:?} {camera:?}");
                 found.sort_unstable();
@@ -493,7 +494,8 @@ fn triangles_in_or_next_to_one_plane_are_ordered_by_packets() {
             assert_tiles_equal_rays(&accel, camera);
             let mut primitives = Vec::new();
             let lattice = whole(camera);
-            let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+            let counts =
+                accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
             let undecided = counts.double_rays + counts.exact_rays;
             assert!(
                 counts.hits > 1500,

@@ -120,7 +120,7 @@ fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
         let clipped = accel.clipped(&ClippingPlanes::new(&[cut]).expect("one"));
         let lattice = Camera::new(placement, projection, plane).whole().lattice();
         let mut primitives = Vec::new();
-        let counts = clipped.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+        let counts = clipped.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
         for (at, &primitive) in (0..).zip(&primitives) {
             let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
             let expected = clipped.cast_primitive(&ray, Cull::None, Precision::Exact);

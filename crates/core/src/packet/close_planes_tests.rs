@@ -21,7 +21,7 @@ fn check(accel: &Accel, eye: DVec3, towards: DVec3, projection: Projection) -> (
     let camera = Camera::new(Placement { eye, target, up }, projection, plane);
     let lattice = camera.whole().lattice();
     let mut primitives = Vec::new();
-    let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+    let counts = accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
     for (at, &primitive) in primitives.iter().enumerate() {
         let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);
         let truth = accel.cast_primitive(&ray, Cull::None, Precision::Exact);

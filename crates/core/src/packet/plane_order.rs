@@ -106,17 +106,17 @@ impl PlaneOrder {
     }
 
     /// The order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
-    /// or with componentwise bounds. `is_first_in_plane` says whether the two lie in one plane, and whether the first is
+    /// or with componentwise bounds. `order_if_coplanar` says whether the two lie in one plane, and whether the first is
     /// then hit first.
     fn new(
         plane: &TurnedPlane,
         [first, second]: [[Vec3; 3]; 2],
         in_double: &Edges,
         componentwise: impl FnOnce() -> Edges,
-        is_first_in_plane: impl FnOnce() -> Option<bool>,
+        order_if_coplanar: impl FnOnce() -> Option<bool>,
     ) -> Self {
         let in_plane = || {
-            is_first_in_plane().map(|is_first| Self::constant(if is_first { 1.0 } else { -1.0 }))
+            order_if_coplanar().map(|is_first| Self::constant(if is_first { 1.0 } else { -1.0 }))
         };
         let Some(plane) = plane else {
             return in_plane().unwrap_or(Self::UNKNOWN);
@@ -289,13 +289,13 @@ impl PlaneOrders {
         self.packet = self.packet.wrapping_add(1);
     }
 
-    /// The order of two triangles. `corners` gives those of a primitive index; `is_first_in_plane` says whether the two lie in
+    /// The order of two triangles. `corners` gives those of a primitive index; `order_if_coplanar` says whether the two lie in
     /// one plane, and whether the first is then hit first.
     pub(super) fn order(
         &mut self,
         pair: [u32; 2],
         corners: impl Fn(u32) -> [Vec3; 3],
-        is_first_in_plane: impl FnOnce() -> Option<bool>,
+        order_if_coplanar: impl FnOnce() -> Option<bool>,
     ) -> PlaneOrder {
         let Self {
             space: Some(space),
@@ -338,7 +338,7 @@ impl PlaneOrders {
                 [of_first, of_second],
                 edges,
                 componentwise,
-                is_first_in_plane,
+                order_if_coplanar,
             )
         });
         *order

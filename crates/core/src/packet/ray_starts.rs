@@ -116,7 +116,7 @@ impl RayStarts {
                 .and_then(|plane| starts_before(&plane, &ray, accel.origin));
             let is_in_front = sure.unwrap_or_else(|| {
                 let ray = PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact);
-                ray.is_some_and(|ray| !ray.evaluate(primitive, corners(primitive)).is_miss())
+                ray.is_some_and(|ray| !ray.hit_on(primitive, corners(primitive)).is_miss())
             });
             if is_in_front {
                 plane.in_front[byte] |= bit;
@@ -230,7 +230,7 @@ mod tests {
         let (lattice, triangles) = rays_in_a_plane(600);
         let accel = accel(triangles);
         let mut primitives = Vec::new();
-        let counts = accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+        let counts = accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
         let mut found = 0;
         for (at, &primitive) in primitives.iter().enumerate() {
             let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);

@@ -12,7 +12,7 @@ use crate::hit::Cull;
 use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
 use crate::ray::Ray;
-use crate::triangle::Nearest;
+use crate::triangle::BoundedHit;
 use crate::triangle::exact::{self, PlacedTriangle};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
@@ -139,7 +139,7 @@ pub(super) fn check_aside(
                 t_min: if perspective { 0.0 } else { -1e99 },
                 ..ray
             };
-            let truth: Option<Nearest> = exact::hit(&ray, placed, cull, 0);
+            let truth: Option<BoundedHit> = exact::hit(&ray, placed, cull, 0);
             if is_culled {
                 assert!(truth.is_none(), "left out, and hit by ({x}, {y})");
                 tally.culled += 1;

@@ -87,7 +87,7 @@ mod tests {
                 [&one, &moved].map(|accel| {
                     let mut primitives = Vec::new();
                     let (cull, precision) = (Cull::None, Precision::Exact);
-                    let counts = accel.find(&lattice, cull, precision, &mut primitives);
+                    let counts = accel.find_closest(&lattice, cull, precision, &mut primitives);
                     let each = counts.double_rays + counts.exact_rays;
                     assert_eq!(each == lattice.len() as u64, stride > 1, "{stride}");
                     assert!(counts.hits * 4 > each, "{stride}");

@@ -1,6 +1,6 @@
 //! A record of casting a lattice: per large packet and per packet, what each step kept; for pictures and tables.
 //!
-//! The traversal is that of [`Accel::find`], recorded by an [`Observer`].
+//! The traversal is that of [`Accel::find_closest`], recorded by an [`Observer`].
 
 use super::cast::Find;
 use super::counts::CastCounts;
@@ -56,11 +56,11 @@ pub struct PacketTrace {
 }
 
 impl Accel {
-    /// Casts a lattice as [`Accel::find`] does and records each step, large packet by large packet, row by row. Each
+    /// Casts a lattice as [`Accel::find_closest`] does and records each step, large packet by large packet, row by row. Each
     /// triangle seen was set up, or hit by an undecided ray that was cast alone; each triangle set up was reached;
     /// each one reached lies below an entry point; and no ray hits a triangle that lies below none.
     ///
-    /// The record is the same for every instruction set. Slower than [`Accel::find`].
+    /// The record is the same for every instruction set. Slower than [`Accel::find_closest`].
     pub fn record_trace(&self, lattice: &Lattice, cull: Cull) -> Vec<LargeTrace> {
         let mut traces = Vec::new();
         RecordTrace {
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::camera::Rect;
     use crate::packet::cast_tests::{cameras, waves};
-    use crate::triangle::{Nearest, PreparedRay};
+    use crate::triangle::{BoundedHit, PreparedRay};
     use glam::DVec3;
 
     fn lattices(size: f64, offset: DVec3) -> impl Iterator<Item = Lattice> {
@@ -223,7 +223,8 @@ mod tests {
             for lattice in lattices(size, offset) {
                 for cull in [Cull::None, Cull::Back] {
                     let mut primitives = Vec::new();
-                    let counts = accel.find(&lattice, cull, Precision::Exact, &mut primitives);
+                    let counts =
+                        accel.find_closest(&lattice, cull, Precision::Exact, &mut primitives);
                     let traces = accel.record_trace(&lattice, cull);
                     let packets = || traces.iter().flat_map(|large| &large.packets);
                     let nodes = traces.iter().map(|large| large.nodes).sum::<u64>()
@@ -291,11 +292,11 @@ mod tests {
                     for primitive in
                         (0..all).filter(|primitive| listed.binary_search(primitive).is_err())
                     {
-                        let mut nearest = Nearest::NONE;
+                        let mut nearest = BoundedHit::NONE;
                         accel.intersect(&prepared, primitive, &mut nearest);
                         assert!(nearest.is_miss(), "{primitive} {column} {row}");
                     }
-                    let mut nearest = Nearest::NONE;
+                    let mut nearest = BoundedHit::NONE;
                     for primitive in 0..all {
                         accel.intersect(&prepared, primitive, &mut nearest);
                     }

@@ -49,7 +49,7 @@ impl Job {
                 cull, precision, ..
             } = view.settings;
             let hits = &mut renderer.buffers.hits;
-            view.accel.evaluate(&lattice, cull, precision, hits);
+            view.accel.interpolate(&lattice, cull, precision, hits);
         }
         renderer.stats
     }
@@ -145,7 +145,7 @@ impl Job {
             return;
         }
         renderer.find(lattice);
-        renderer.evaluate(lattice);
+        renderer.interpolate(lattice);
         let rect = self.sub_camera.rect;
         let pixels = &mut self.pixels;
         let section = renderer.section();
@@ -202,7 +202,7 @@ impl Job {
             lattice.offset = sample.offset;
             let weight = sample.weight;
             renderer.find(&lattice);
-            renderer.evaluate(&lattice);
+            renderer.interpolate(&lattice);
             let sums = &mut self.sums;
             let sections = renderer.section_samples(&lattice);
             renderer.shade(|buffers| {

@@ -252,8 +252,9 @@ impl View {
         } = self.settings;
         let mut hits = Hits::default();
         let primitives = &mut hits.primitives;
-        (self.accel.clipped(clip).masked(masks)).find(&lattice, cull, precision, primitives);
-        self.accel.evaluate(&lattice, cull, precision, &mut hits);
+        (self.accel.clipped(clip).masked(masks))
+            .find_closest(&lattice, cull, precision, primitives);
+        self.accel.interpolate(&lattice, cull, precision, &mut hits);
         let depths = hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.t);
         depths.fold(None, |seen, t| {
             let [near, far] = seen.unwrap_or([t; 2]);

@@ -102,7 +102,7 @@ impl<'a, 's> TileRenderer<'a, 's> {
         let beside = |is_inside: bool, lattice: Lattice| {
             let mut primitives = Vec::new();
             if is_inside {
-                accel.find(&lattice, settings.cull, settings.precision, &mut primitives);
+                accel.find_closest(&lattice, settings.cull, settings.precision, &mut primitives);
             }
             cuts(&lattice, &primitives)
         };
@@ -186,7 +186,7 @@ impl<'a, 's> TileRenderer<'a, 's> {
                 shader.shade_primitives(rect, &hits.primitives, rows)
             });
         } else {
-            self.evaluate(lattice);
+            self.interpolate(lattice);
             self.shade(|Buffers { shader, hits, .. }| shader.shade(rect, hits, rows));
         }
     }
@@ -203,14 +203,14 @@ impl<'a, 's> TileRenderer<'a, 's> {
         let primitives = &mut self.buffers.hits.primitives;
         let masks = self.buffers.shader.shader().masks();
         let accel = self.view.accel.clipped(clip).masked(masks);
-        let counts = accel.find(lattice, *cull, *precision, primitives);
+        let counts = accel.find_closest(lattice, *cull, *precision, primitives);
         self.stats.cast += self.elapsed_since(begin);
         self.stats.counts += counts;
         self.stats.rays += self.buffers.hits.len() as u64;
     }
 
     /// Computes t, u and v of the hits, as far as the picture needs them.
-    pub(super) fn evaluate(&mut self, lattice: &Lattice) {
+    pub(super) fn interpolate(&mut self, lattice: &Lattice) {
         let begin = (self.clock)();
         let Settings {
             cull,
@@ -225,7 +225,7 @@ impl<'a, 's> TileRenderer<'a, 's> {
                 true => HitNumbers::All,
                 false => self.buffers.shader.shader().hit_numbers(),
             };
-            (self.view.accel).evaluate_numbers(lattice, cull, precision, numbers, hits);
+            (self.view.accel).interpolate_numbers(lattice, cull, precision, numbers, hits);
         } else {
             hits.clear_tuv();
         }

@@ -3,7 +3,7 @@
 use super::TileShader;
 use super::hit_rows::HitRows;
 use super::smooth::Facets;
-use super::spans::{COLUMNS, put, spans};
+use super::spans::{COLUMNS, spans, store_eight};
 use super::vectors::{Row, Rows};
 use crate::camera::Lattice;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
@@ -122,7 +122,7 @@ impl FillChannels<'_, '_, '_, '_> {
                 for (lane, normal) in all.iter_mut().enumerate() {
                     *normal = [x[lane], y[lane], z[lane]];
                 }
-                put(channels.normal, at, &all);
+                store_eight(channels.normal, at, &all);
             }
             if let Some([a, b, c]) = facet.uvs {
                 let w = lanes.splat(1.0) - u - v;
@@ -137,7 +137,7 @@ impl FillChannels<'_, '_, '_, '_> {
                 for (lane, uv) in all.iter_mut().enumerate() {
                     *uv = [xs[lane], ys[lane]];
                 }
-                put(channels.uv, at, &all);
+                store_eight(channels.uv, at, &all);
             }
             at += LANES;
         }

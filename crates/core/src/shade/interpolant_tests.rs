@@ -8,7 +8,7 @@ use crate::hit::{Cull, Precision, PrimitiveHit};
 use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::random::Random;
 use crate::triangle::row_tests::{SCENES, triangle_and_rays};
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 use glam::{DVec3, Vec3};
 
 /// Four units in the last place of a weight just below one. Twice this is four of t's, relative to t.
@@ -29,7 +29,7 @@ fn exact_hit(
     corners: [Vec3; 3],
 ) -> PrimitiveHit {
     let ray = PreparedRay::new(&camera.ray(x, y), frame, Cull::None, Precision::Exact);
-    let mut nearest = Nearest::NONE;
+    let mut nearest = BoundedHit::NONE;
     let ray = ray.expect("a valid ray");
     ray.intersect(0, |_| corners, |id| id, &mut nearest);
     nearest.to_primitive_hit()

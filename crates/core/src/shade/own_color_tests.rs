@@ -228,7 +228,7 @@ fn tiles_show_what_single_samples_do() {
             let (cull, precision) = (Cull::None, Precision::Exact);
             picture
                 .accel
-                .find(&lattice, cull, precision, &mut hits.primitives);
+                .find_closest(&lattice, cull, precision, &mut hits.primitives);
             let mut pixels = vec![[0; 4]; 1200];
             let only_triangles = shader.detail() == crate::hit::Detail::Triangle;
             if only_triangles {
@@ -236,7 +236,9 @@ fn tiles_show_what_single_samples_do() {
                     .tile()
                     .shade_primitives(rect, &hits.primitives, pixels.chunks_mut(40));
             } else {
-                picture.accel.evaluate(&lattice, cull, precision, &mut hits);
+                picture
+                    .accel
+                    .interpolate(&lattice, cull, precision, &mut hits);
                 shader.tile().shade(rect, &hits, pixels.chunks_mut(40));
             }
             for (at, pixel) in pixels.iter().enumerate() {

@@ -131,7 +131,7 @@ impl RowTextures {
     /// Writes where the samples of a span read their texture, if they have one. False where the triangle has no linear
     /// functions, or its texture is not read at once.
     #[inline(always)]
-    pub(super) fn evaluate<L: Lanes>(
+    pub(super) fn interpolate<L: Lanes>(
         &mut self,
         lanes: L,
         textured: Option<Textured<'_>>,

@@ -144,7 +144,7 @@ struct Scanline<'r, 's, 'h> {
     colors: RowColors,
     planar: &'r PlanarRays,
     columns: &'r Columns,
-    /// What [`Scanline::evaluate`] has written.
+    /// What [`Scanline::interpolate`] has written.
     numbers: &'r mut [Numbers<f32>; NUMBERS],
     textures: Option<&'r mut RowTextures>,
     /// What the samples that are evaluated and not coloured yet are textured with.
@@ -181,7 +181,7 @@ impl<'s> Scanline<'_, 's, '_> {
                 if first >= count {
                     break;
                 }
-            } else if !self.evaluate(lanes, span) {
+            } else if !self.interpolate(lanes, span) {
                 alone |= (u64::MAX >> (COLUMNS - (span.end - span.first))) << span.first;
             }
         }
@@ -203,12 +203,12 @@ impl<'s> Scanline<'_, 's, '_> {
     /// Writes the numbers of a span's triangle, and anything into up to seven samples after it. False where it has no
     /// linear functions.
     #[inline(always)]
-    fn evaluate<L: Lanes>(&mut self, lanes: L, span: Span) -> bool {
+    fn interpolate<L: Lanes>(&mut self, lanes: L, span: Span) -> bool {
         let facet = self.tile.facet(span.primitive, 0.0);
         let numbers = &mut *self.numbers;
         if let Some(textures) = &mut self.textures {
             let place = (self.y, &self.columns.x);
-            if !textures.evaluate(lanes, self.textured, facet, place, span) {
+            if !textures.interpolate(lanes, self.textured, facet, place, span) {
                 return false;
             }
         }

@@ -68,7 +68,7 @@ impl Iterator for Spans<'_> {
 /// Writes eight items from a place on, as far as the row reaches: a span's last eight reach into the next span, which
 /// overwrites them.
 #[inline(always)]
-pub(super) fn put<T: Copy>(row: &mut [T], at: usize, eight: &[T; LANES]) {
+pub(super) fn store_eight<T: Copy>(row: &mut [T], at: usize, eight: &[T; LANES]) {
     match row.get_mut(at..).and_then(<[T]>::first_chunk_mut) {
         Some(all) => *all = *eight,
         None => {

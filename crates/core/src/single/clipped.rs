@@ -5,7 +5,7 @@ use crate::hit::{Cull, Hit, MISS, Precision, PrimitiveHit};
 use crate::ray::Ray;
 use crate::scene::{ClippingPlanes, Masks};
 use crate::triangle::clip::Clip;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 
 /// A tree's triangles as clipping planes and opacity masks leave them: a hit counts where every plane keeps its exact
 /// point, and the mask of its material keeps its barycentrics, rounded to single precision.
@@ -34,7 +34,7 @@ impl Accel {
         clip: &Clip,
         ray: &PreparedRay,
         primitive: u32,
-        nearest: &mut Nearest,
+        nearest: &mut BoundedHit,
     ) {
         if clip.is_empty() || self.is_kept(clip, ray, primitive) {
             self.intersect(ray, primitive, nearest);
@@ -44,7 +44,7 @@ impl Accel {
     /// Whether a ray hits a triangle at a point that the planes keep.
     #[inline(never)]
     fn is_kept(&self, clip: &Clip, ray: &PreparedRay, primitive: u32) -> bool {
-        let mut hit = Nearest::NONE;
+        let mut hit = BoundedHit::NONE;
         self.intersect(ray, primitive, &mut hit);
         !hit.is_miss() && clip.keeps(&ray.ray, self.corners(primitive), &hit)
     }
@@ -70,9 +70,9 @@ impl<'a> Clipped<'a> {
     /// As [`Clipped::cast`], by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.accel.origin, cull, Precision::Exact)?;
-        let mut nearest = Nearest::NONE;
+        let mut nearest = BoundedHit::NONE;
         for primitive in self.accel.primitives() {
-            let mut hit = Nearest::NONE;
+            let mut hit = BoundedHit::NONE;
             (self.accel).intersect_kept(&self.clip, &ray, primitive, &mut hit);
             if !hit.is_miss() && self.passes_mask(&hit) {
                 self.accel.intersect(&ray, primitive, &mut nearest);
@@ -111,7 +111,7 @@ impl<'a> Clipped<'a> {
             let Some(ray) = PreparedRay::new(&ray, self.accel.origin, cull, precision) else {
                 continue;
             };
-            let hit = ray.evaluate(*primitive, self.accel.corners(*primitive));
+            let hit = ray.hit_on(*primitive, self.accel.corners(*primitive));
             // With rounded arithmetic the single ray may miss what its packet hit.
             if hit.is_miss() || self.passes_mask(&hit) {
                 continue;
@@ -122,18 +122,18 @@ impl<'a> Clipped<'a> {
         lost
     }
 
-    fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> Nearest {
+    fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> BoundedHit {
         match PreparedRay::new(ray, self.accel.origin, cull, precision) {
             Some(ray) if self.masks.is_some() => self.nearest_kept(&ray),
             Some(ray) => traversal::nearest(self.accel, &self.clip, &ray),
-            None => Nearest::NONE,
+            None => BoundedHit::NONE,
         }
     }
 
     /// The closest hit that planes and masks keep. A hit that is not kept is rejected before it is compared with
     /// others, so that the rule for equal distances holds as it is.
-    fn nearest_kept(&self, ray: &PreparedRay) -> Nearest {
-        let mut nearest = Nearest::NONE;
+    fn nearest_kept(&self, ray: &PreparedRay) -> BoundedHit {
+        let mut nearest = BoundedHit::NONE;
         traversal::visit(self.accel, ray, |primitives| {
             for primitive in primitives {
                 let mut closer = nearest;
@@ -148,12 +148,12 @@ impl<'a> Clipped<'a> {
     }
 
     /// Whether planes and masks keep a hit.
-    pub(super) fn keeps(&self, ray: &PreparedRay, hit: &Nearest) -> bool {
+    pub(super) fn keeps(&self, ray: &PreparedRay, hit: &BoundedHit) -> bool {
         let corners = || self.accel.corners(hit.primitive);
         (self.clip.is_empty() || self.clip.keeps(&ray.ray, corners(), hit)) && self.passes_mask(hit)
     }
 
-    fn passes_mask(&self, hit: &Nearest) -> bool {
+    fn passes_mask(&self, hit: &BoundedHit) -> bool {
         self.masks.is_none_or(|masks| {
             let (object, triangle) = self.accel.identify(hit.primitive);
             let PrimitiveHit { u, v, .. } = hit.to_primitive_hit();

@@ -1,7 +1,7 @@
 use super::{Clipped, traversal};
 use crate::hit::{Cull, Precision, PrimitiveHit};
 use crate::ray::Ray;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 use std::cmp::Ordering;
 
 /// The most hits that are kept of a ray. It bounds time and memory of a ray through any number of triangles; what
@@ -12,7 +12,7 @@ pub(crate) const LAYERS: usize = 256;
 /// The hits of a ray, nearest first.
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
-    hits: Vec<Nearest>,
+    hits: Vec<BoundedHit>,
 }
 
 impl Layers {
@@ -37,13 +37,13 @@ impl Layers {
         let mut is_closed = false;
         traversal::visit(accel, &ray, |primitives| {
             for primitive in primitives {
-                let mut hit = Nearest::NONE;
+                let mut hit = BoundedHit::NONE;
                 accel.intersect(&ray, primitive, &mut hit);
                 if hit.is_miss() || !kept.keeps(&ray, &hit) {
                     continue;
                 }
                 let before =
-                    |other: &Nearest| ray.order(other, &hit, corners, id) == Ordering::Less;
+                    |other: &BoundedHit| ray.order(other, &hit, corners, id) == Ordering::Less;
                 let place = hits.partition_point(before);
                 if place == hits.len() && is_closed {
                     continue;
@@ -59,7 +59,7 @@ impl Layers {
             }
             match hits.last() {
                 Some(last) if is_closed => *last,
-                _ => Nearest::NONE,
+                _ => BoundedHit::NONE,
             }
         });
     }

@@ -12,7 +12,7 @@ use crate::bvh::Accel;
 use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
 use crate::ray::Ray;
 use crate::triangle::clip::Clip;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 pub use clipped::Clipped;
 pub(crate) use layers::Layers;
 pub(crate) use traversal::nearest;
@@ -34,22 +34,22 @@ impl Accel {
     /// As [`Accel::cast`], by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
         let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
-        let mut nearest = Nearest::NONE;
+        let mut nearest = BoundedHit::NONE;
         for primitive in self.primitives() {
             self.intersect(&ray, primitive, &mut nearest);
         }
         self.to_hit(nearest)
     }
 
-    fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> Nearest {
+    fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> BoundedHit {
         match PreparedRay::new(ray, self.origin, cull, precision) {
             Some(ray) => traversal::nearest(self, &Clip::NONE, &ray),
-            None => Nearest::NONE,
+            None => BoundedHit::NONE,
         }
     }
 
     /// Intersects a ray with a triangle: see [`PreparedRay::intersect`].
-    pub(crate) fn intersect(&self, ray: &PreparedRay, primitive: u32, nearest: &mut Nearest) {
+    pub(crate) fn intersect(&self, ray: &PreparedRay, primitive: u32, nearest: &mut BoundedHit) {
         ray.intersect(
             primitive,
             |primitive| self.corners(primitive),
@@ -58,7 +58,7 @@ impl Accel {
         );
     }
 
-    fn to_hit(&self, nearest: Nearest) -> Option<Hit> {
+    fn to_hit(&self, nearest: BoundedHit) -> Option<Hit> {
         if nearest.is_miss() {
             return None;
         }

@@ -3,7 +3,7 @@
 use super::{Clipped, traversal};
 use crate::hit::{Cull, Precision, PrimitiveHit};
 use crate::ray::Ray;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
@@ -30,7 +30,7 @@ impl Clipped<'_> {
             let Some(ray) = PreparedRay::new(&ray, origin, cull, Precision::Exact) else {
                 continue;
             };
-            let mut own = Nearest::NONE;
+            let mut own = BoundedHit::NONE;
             self.accel.intersect(&ray, hit.primitive, &mut own);
             if !own.is_miss() {
                 return !self.is_hidden(&ray, &own);
@@ -40,21 +40,21 @@ impl Clipped<'_> {
     }
 
     /// Whether a ray hits another triangle before its own.
-    fn is_hidden(&self, ray: &PreparedRay, own: &Nearest) -> bool {
+    fn is_hidden(&self, ray: &PreparedRay, own: &BoundedHit) -> bool {
         let accel = self.accel;
-        let is_nearer = |other: &Nearest| {
+        let is_nearer = |other: &BoundedHit| {
             let order = || ray.order(other, own, |primitive| accel.corners(primitive), |_| 0);
             !own.is_surely_before(other) && order() == Ordering::Less
         };
         let mut is_hidden = false;
         traversal::visit(accel, ray, |primitives| {
             for primitive in primitives.filter(|&primitive| primitive != own.primitive) {
-                let mut other = Nearest::NONE;
+                let mut other = BoundedHit::NONE;
                 accel.intersect(ray, primitive, &mut other);
                 if !other.is_miss() && is_nearer(&other) && self.keeps(ray, &other) {
                     is_hidden = true;
                     // Every box begins beyond this.
-                    return Nearest {
+                    return BoundedHit {
                         t: f64::NEG_INFINITY,
                         ..*own
                     };

@@ -4,11 +4,11 @@ use super::slab::SlabRay;
 use crate::bvh::Accel;
 use crate::bvh::tree::{DEPTH_LIMIT, Subtree};
 use crate::triangle::clip::Clip;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 
 /// The closest hit whose point `clip` keeps.
-pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest {
-    let mut nearest = Nearest::NONE;
+pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> BoundedHit {
+    let mut nearest = BoundedHit::NONE;
     visit(accel, ray, |primitives| {
         for primitive in primitives {
             accel.intersect_kept(clip, ray, primitive, &mut nearest);
@@ -24,7 +24,7 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> Nearest 
 pub(super) fn visit(
     accel: &Accel,
     ray: &PreparedRay,
-    mut leaf: impl FnMut(std::ops::Range<u32>) -> Nearest,
+    mut leaf: impl FnMut(std::ops::Range<u32>) -> BoundedHit,
 ) {
     let tree = &accel.tree;
     let Some(mut subtree) = tree.root else {

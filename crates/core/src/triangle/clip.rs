@@ -18,7 +18,7 @@
 //! 1 + |t| + τ is more than all of these. What leaves the range at the other end is infinite or NaN, and so is its
 //! bound: comparisons fail, and exact arithmetic decides.
 
-use super::Nearest;
+use super::BoundedHit;
 use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, subtract};
 use crate::num::integer::Integer;
 use crate::num::roundoff::EPSILON;
@@ -190,7 +190,7 @@ impl Clip {
     }
 
     /// Whether the planes keep the point where a ray hits a triangle.
-    pub(crate) fn keeps(&self, ray: &Ray, corners: [Vec3; 3], hit: &Nearest) -> bool {
+    pub(crate) fn keeps(&self, ray: &Ray, corners: [Vec3; 3], hit: &BoundedHit) -> bool {
         self.planes.iter().all(|plane| {
             plane.sign_along(ray, hit).unwrap_or_else(|| {
                 let signs = corners.map(|corner| self.at(plane, corner).sign);
@@ -310,7 +310,7 @@ impl Plane {
     }
 
     /// The sign of n·p − c at a hit of a ray, where the bound decides it.
-    fn sign_along(&self, ray: &Ray, hit: &Nearest) -> Option<Ordering> {
+    fn sign_along(&self, ray: &Ray, hit: &BoundedHit) -> Option<Ordering> {
         let before = self.normal * ray.origin;
         let along = self.normal * ray.direction;
         let value = before.element_sum() - self.offset + hit.t * along.element_sum();
@@ -361,10 +361,10 @@ mod tests {
             close += usize::from(plane.at(point).0.abs() < 10.0 * least);
 
             let direction = random.point().with_x(0.0) * 1e-20;
-            let hit = Nearest {
+            let hit = BoundedHit {
                 primitive: 0,
                 t: 1.0 + random.unit(),
-                ..Nearest::NONE
+                ..BoundedHit::NONE
             };
             let ray = Ray::new(point.as_dvec3() - direction * hit.t, direction);
             let Some(sign) = plane.sign_along(&ray, &hit) else {
@@ -439,11 +439,11 @@ mod tests {
     #[test]
     fn planes_within_a_hits_error_are_undecided() {
         let ray = Ray::new(DVec3::ZERO, DVec3::X);
-        let hit = Nearest {
+        let hit = BoundedHit {
             primitive: 0,
             t: 1.0,
             t_error: 0.25,
-            ..Nearest::NONE
+            ..BoundedHit::NONE
         };
         for (offset, sign) in [
             (0.5, Some(Ordering::Greater)),

@@ -1,6 +1,6 @@
 //! A ray and a triangle in exact arithmetic, for the few cases that rounded arithmetic leaves undecided.
 
-use super::Nearest;
+use super::BoundedHit;
 use crate::hit::Cull;
 use crate::num::double_double::DoubleDouble;
 use crate::num::exact::{
@@ -40,14 +40,14 @@ pub(crate) fn hit(
     placed: &PlacedTriangle,
     cull: Cull,
     primitive: u32,
-) -> Option<Nearest> {
+) -> Option<BoundedHit> {
     fn of<I: Integer>(
         ray: &Ray,
         placed: &PlacedTriangle,
         cull: Cull,
         primitive: u32,
         (lengths, directions): (Scale, Scale),
-    ) -> Option<Nearest> {
+    ) -> Option<BoundedHit> {
         ExactHit::<I>::new(ray, placed, cull, lengths, directions).map(|hit| hit.rounded(primitive))
     }
     let (lengths, directions) = scales(ray, &[placed]);
@@ -274,14 +274,14 @@ impl<I: Integer> ExactHit<I> {
     }
 
     /// Parameter and weights rounded to within a unit in the last place.
-    fn rounded(&self, primitive: u32) -> Nearest {
+    fn rounded(&self, primitive: u32) -> BoundedHit {
         let t = ratio(&self.numerator, &self.denominator, self.exponent);
         let [u, v] = self
             .weights
             .each_ref()
             .map(|weight| ratio(weight, &self.denominator, 0));
         // More than twice the error of `ratio`.
-        Nearest {
+        BoundedHit {
             primitive,
             t,
             t_error: t.abs() * 2f64.powi(-51),
@@ -359,7 +359,7 @@ mod tests {
                 let ray = Ray::new(origin, inside - origin);
                 let here = placed(corners, DVec3::ZERO);
                 let (lengths, directions) = scales(&ray, &[&here]);
-                let long = |hit: Option<Nearest>| hit.map(|hit| (hit.t, hit.u, hit.v));
+                let long = |hit: Option<BoundedHit>| hit.map(|hit| (hit.t, hit.u, hit.v));
                 let big = ExactHit::<BigInt>::new(&ray, &here, Cull::None, lengths, directions);
                 let big = big.map(|hit| hit.rounded(0));
                 assert_eq!(long(hit(&ray, &here, Cull::None, 0)), long(big));

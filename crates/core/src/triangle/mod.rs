@@ -1,5 +1,6 @@
 //! Rays against one triangle: whether a ray hits it, where, and which of two triangles it hits first, decided exactly.
 
+mod bounded_hit;
 pub(crate) mod clip;
 mod componentwise;
 pub(crate) mod coplanar;
@@ -8,11 +9,10 @@ mod edges;
 pub(crate) mod exact;
 pub(crate) mod interpolate;
 pub(crate) mod linear;
-mod nearest;
 pub(crate) mod plane;
 #[cfg(test)]
 pub(crate) mod row_tests;
 mod watertight;
 
-pub(crate) use nearest::Nearest;
+pub(crate) use bounded_hit::BoundedHit;
 pub(crate) use watertight::PreparedRay;

@@ -16,7 +16,7 @@
 //! bound is 9εΣp|bₖ − a|: one ε more for higher orders and for the rounding of p. That of n·d is 9εΣp|d|; a vector that is off
 //! by η more adds ηΣp.
 
-use super::Nearest;
+use super::BoundedHit;
 use super::componentwise::{Determinant, plane_distance};
 use super::exact::distance_of_eye;
 use crate::num::roundoff::EPSILON;
@@ -114,7 +114,7 @@ impl Plane {
 
     /// On which side of the plane a triangle's hit lies: 1.0 where the normal points to, or −1.0. `None` where that is
     /// not sure.
-    pub(super) fn side_of(&self, hit: &Nearest, corners: [Vec3; 3]) -> Option<f64> {
+    pub(super) fn side_of(&self, hit: &BoundedHit, corners: [Vec3; 3]) -> Option<f64> {
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let (mut value, mut error) = (0.0, 0.0);
         let (mut is_before, mut is_behind) = (true, true);
@@ -252,7 +252,7 @@ mod tests {
             Vec3::new(1.0, 0.0, 1.0),
             Vec3::new(0.0, 1.0, 1.0),
         ];
-        let at = |u: f64, v: f64| Nearest {
+        let at = |u: f64, v: f64| BoundedHit {
             primitive: 0,
             t: 1.0,
             t_error: 0.0,

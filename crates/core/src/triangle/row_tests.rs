@@ -70,7 +70,7 @@ fn sure_lanes_have_the_bits_of_the_single_ray() {
                     let ray = lattice.ray(column as u32, row);
                     let ray = PreparedRay::new(&ray, scene.0, Cull::None, Precision::Exact);
                     let ray = ray.expect("a valid ray");
-                    let expected = ray.evaluate(0, corners).to_primitive_hit();
+                    let expected = ray.hit_on(0, corners).to_primitive_hit();
                     let numbers = [found.t[column], found.u[column], found.v[column]];
                     assert_eq!(numbers, [expected.t, expected.u, expected.v]);
                 }

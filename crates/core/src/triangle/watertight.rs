@@ -9,7 +9,7 @@
 
 mod order;
 
-use super::Nearest;
+use super::BoundedHit;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, PlacedTriangle};
@@ -48,7 +48,7 @@ pub(crate) struct PreparedRay {
 /// The outcome of a test with error bounds.
 enum Verdict {
     Miss,
-    Hit(Nearest),
+    Hit(BoundedHit),
     /// The error bound leaves it undecided.
     Undecided,
 }
@@ -97,7 +97,7 @@ impl PreparedRay {
         primitive: u32,
         corners: impl Fn(u32) -> [Vec3; 3],
         id: impl Fn(u32) -> u32,
-        nearest: &mut Nearest,
+        nearest: &mut BoundedHit,
     ) {
         let candidate = match self.intersect_in_double(primitive, corners(primitive)) {
             Verdict::Miss => return,
@@ -120,7 +120,7 @@ impl PreparedRay {
     }
 
     /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided.
-    fn intersect_undecided(&self, primitive: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+    fn intersect_undecided(&self, primitive: u32, corners: [Vec3; 3]) -> Option<BoundedHit> {
         match self.precision {
             Precision::Exact => match self.intersect_componentwise(primitive, corners) {
                 Verdict::Miss => None,
@@ -212,7 +212,7 @@ impl PreparedRay {
         if !point.is_single() || t - t_error <= t_min || t + t_error > t_max {
             return Verdict::Undecided;
         }
-        Verdict::Hit(Nearest {
+        Verdict::Hit(BoundedHit {
             primitive,
             t,
             t_error,
@@ -230,12 +230,12 @@ impl PreparedRay {
     }
 
     /// The hit of a triangle that the ray is known to hit.
-    pub(crate) fn evaluate(&self, primitive: u32, corners: [Vec3; 3]) -> Nearest {
+    pub(crate) fn hit_on(&self, primitive: u32, corners: [Vec3; 3]) -> BoundedHit {
         match self.intersect_in_double(primitive, corners) {
             Verdict::Hit(hit) => hit,
             _ => self
                 .intersect_undecided(primitive, corners)
-                .unwrap_or(Nearest::NONE),
+                .unwrap_or(BoundedHit::NONE),
         }
     }
 
@@ -267,7 +267,7 @@ impl PreparedRay {
     }
 
     /// Intersects in double precision and trusts rounded signs.
-    fn intersect_rounded(&self, primitive: u32, corners: [Vec3; 3]) -> Option<Nearest> {
+    fn intersect_rounded(&self, primitive: u32, corners: [Vec3; 3]) -> Option<BoundedHit> {
         let edges = self.edges(corners);
         let inside =
             edges.functions.iter().all(|&f| f >= 0.0) || edges.functions.iter().all(|&f| f <= 0.0);
@@ -275,7 +275,7 @@ impl PreparedRay {
             return None;
         }
         let Point { t, u, v, .. } = edges.point(self.advance);
-        (self.ray.t_min < t && t <= self.ray.t_max).then_some(Nearest {
+        (self.ray.t_min < t && t <= self.ray.t_max).then_some(BoundedHit {
             primitive,
             t,
             t_error: 0.0,
@@ -312,7 +312,7 @@ mod tests {
         prepared.expect("a valid ray")
     }
 
-    fn hit_by(numerator: Determinant, weights: [Determinant; 3]) -> Nearest {
+    fn hit_by(numerator: Determinant, weights: [Determinant; 3]) -> BoundedHit {
         let determinants = Some(Determinants { weights, numerator });
         match ray_along_z().intersect_by_determinants(0, determinants) {
             Verdict::Hit(hit) => hit,
@@ -384,7 +384,7 @@ mod tests {
             let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::Back, Precision::Exact);
             let prepared = prepared.expect("a valid ray");
             let truth = exact::hit(&ray, &prepared.placed(corners), Cull::Back, 0);
-            let mut nearest = Nearest::NONE;
+            let mut nearest = BoundedHit::NONE;
             prepared.intersect(0, |_| corners, |index| index, &mut nearest);
             assert_eq!(nearest.is_miss(), truth.is_none(), "{ray:?} {corners:?}");
             seen += u32::from(truth.is_some());

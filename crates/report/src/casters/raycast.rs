@@ -64,7 +64,7 @@ impl Caster for Tile {
 
     fn find_lattice(&self, lattice: &Lattice, primitives: &mut Vec<u32>) {
         self.accel
-            .find(lattice, Cull::None, self.precision, primitives);
+            .find_closest(lattice, Cull::None, self.precision, primitives);
     }
 
     fn identify(&self, primitive: u32) -> (u32, u32) {

@@ -33,7 +33,7 @@ pub(super) fn choose(accel: &Accel, camera: &Camera) -> Option<Chosen> {
     };
     let lattice = camera.sub_camera(whole).lattice();
     let mut primitives = Vec::new();
-    accel.find(&lattice, Cull::None, Precision::Exact, &mut primitives);
+    accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
     let found = |rays: &Lattice| -> (usize, f64) {
         let rows = rays.y..rays.y + rays.rows;
         let places = rows.flat_map(|y| (rays.x..rays.x + rays.columns).map(move |x| (x, y)));

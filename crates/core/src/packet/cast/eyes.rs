@@ -15,7 +15,7 @@ use crate::triangle::clip::Clip;
 type Halves = [(Lattice, (u32, u32)); 2];
 
 impl Accel {
-    /// [`Accel::find`] for halves of a lattice, each given with the position of its first ray.
+    /// [`Accel::find_closest`] for halves of a lattice, each given with the position of its first ray.
     pub(super) fn find_halves(
         &self,
         clip: &Clip,
@@ -27,7 +27,7 @@ impl Accel {
         let mut counts = CastCounts::default();
         let mut found = Vec::new();
         for (half, first) in halves.iter().filter(|(half, _)| !half.is_empty()) {
-            counts += self.find_kept(clip, half, cull, precision, &mut found);
+            counts += self.find_clipped(clip, half, cull, precision, &mut found);
             for (row, found) in found.chunks(half.columns as usize).enumerate() {
                 let at = index(lattice, *first, row);
                 primitives[at..at + found.len()].copy_from_slice(found);
@@ -36,8 +36,8 @@ impl Accel {
         counts
     }
 
-    /// [`Accel::evaluate`] for halves of a lattice.
-    pub(super) fn evaluate_halves(
+    /// [`Accel::interpolate`] for halves of a lattice.
+    pub(super) fn interpolate_halves(
         &self,
         (lattice, halves): (&Lattice, Halves),
         cull: Cull,
@@ -52,7 +52,7 @@ impl Accel {
                 let row = &hits.primitives[at..at + columns];
                 found.primitives.extend_from_slice(row);
             }
-            self.evaluate(half, cull, precision, &mut found);
+            self.interpolate(half, cull, precision, &mut found);
             for row in rows {
                 let at = index(lattice, *first, row);
                 let (from, to) = (row * columns..(row + 1) * columns, at..at + columns);
@@ -64,7 +64,7 @@ impl Accel {
         }
     }
 
-    /// [`Accel::find`] where rays share no eye.
+    /// [`Accel::find_closest`] where rays share no eye.
     pub(super) fn find_each(
         &self,
         clip: &Clip,
@@ -87,8 +87,8 @@ impl Accel {
         counts
     }
 
-    /// [`Accel::evaluate`] where rays share no eye.
-    pub(super) fn evaluate_each(
+    /// [`Accel::interpolate`] where rays share no eye.
+    pub(super) fn interpolate_each(
         &self,
         lattice: &Lattice,
         cull: Cull,
@@ -102,7 +102,7 @@ impl Accel {
                 let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);
                 let ray = PreparedRay::new(&ray, self.origin, cull, precision);
                 hit = ray.map_or(hit, |ray| {
-                    (ray.evaluate(primitive, self.corners(primitive))).to_primitive_hit()
+                    (ray.hit_on(primitive, self.corners(primitive))).to_primitive_hit()
                 });
             }
             hits.primitives[at] = hit.primitive;

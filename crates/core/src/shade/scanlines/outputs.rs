@@ -3,7 +3,7 @@
 use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::shade::eight_colors::Eight;
 use crate::shade::numbers::Numbers;
-use crate::shade::spans::put;
+use crate::shade::spans::store_eight;
 use crate::shade::srgb;
 use crate::shade::vectors::{Rows, Vectors};
 
@@ -65,7 +65,7 @@ impl Out for Bytes<'_, '_> {
             Eight::Display(values) => {
                 let mut bytes = [[0; 4]; LANES];
                 self.tables.display_row(lanes, values, &mut bytes);
-                put(self.pixels, at, &bytes);
+                store_eight(self.pixels, at, &bytes);
             }
         }
     }
@@ -95,7 +95,7 @@ impl Out for Bytes<'_, '_> {
             ];
             let mut bytes = [[0; 4]; LANES];
             self.tables.encode_buckets(colors, buckets, &mut bytes);
-            put(self.pixels, at, &bytes);
+            store_eight(self.pixels, at, &bytes);
             at += LANES;
         }
     }
@@ -133,7 +133,7 @@ impl Out for Light<'_> {
         for (lane, light) in all.iter_mut().enumerate() {
             *light = [r[lane], g[lane], b[lane], 1.0];
         }
-        put(self.light, at, &all);
+        store_eight(self.light, at, &all);
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use crate::shade::interpolants::HitPlace;
 use crate::shade::reflection::{self, PlainReflectance, Surface, Surfaces};
 use crate::shade::slopes::slopes;
 use crate::shade::vectors::Vectors;
-use crate::triangle::{Nearest, PreparedRay};
+use crate::triangle::{BoundedHit, PreparedRay};
 use glam::{DVec3, Vec2, Vec3};
 
 impl Shader<'_> {
@@ -249,10 +249,10 @@ impl Shader<'_> {
     fn cast_again(&self, primitive: u32, (x, y): (f64, f64)) -> PrimitiveHit {
         let ray = self.camera.ray(x, y);
         let ray = PreparedRay::new(&ray, self.accel.origin(), Cull::None, Precision::Exact);
-        let hit = ray.map(|ray| ray.evaluate(primitive, self.accel.corners(primitive)));
+        let hit = ray.map(|ray| ray.hit_on(primitive, self.accel.corners(primitive)));
         PrimitiveHit {
             primitive,
-            ..hit.map_or(PrimitiveHit::NONE, Nearest::to_primitive_hit)
+            ..hit.map_or(PrimitiveHit::NONE, BoundedHit::to_primitive_hit)
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{PreparedRay, Verdict};
 use crate::hit::Precision;
-use crate::triangle::Nearest;
+use crate::triangle::BoundedHit;
 use crate::triangle::coplanar::are_coplanar;
 use crate::triangle::exact;
 use crate::triangle::plane::Plane;
@@ -13,8 +13,8 @@ impl PreparedRay {
     /// Which of two hits comes first along the ray; of two at one distance, the lower primitive id.
     pub(crate) fn order(
         &self,
-        first: &Nearest,
-        second: &Nearest,
+        first: &BoundedHit,
+        second: &BoundedHit,
         corners: impl Fn(u32) -> [Vec3; 3],
         id: impl Fn(u32) -> u32,
     ) -> Ordering {
@@ -31,8 +31,8 @@ impl PreparedRay {
     /// Which of two hits is nearer, where their errors overlap.
     pub(super) fn compare(
         &self,
-        candidate: &Nearest,
-        nearest: &Nearest,
+        candidate: &BoundedHit,
+        nearest: &BoundedHit,
         corners: impl Fn(u32) -> [Vec3; 3],
     ) -> Ordering {
         if self.precision == Precision::Fast {
@@ -71,12 +71,12 @@ impl PreparedRay {
     /// not sure.
     fn compare_by_planes(
         &self,
-        candidate: &Nearest,
-        nearest: &Nearest,
+        candidate: &BoundedHit,
+        nearest: &BoundedHit,
         first: [Vec3; 3],
         second: [Vec3; 3],
     ) -> Option<Ordering> {
-        let behind = |hit: &Nearest, corners: [Vec3; 3], of: [Vec3; 3]| {
+        let behind = |hit: &BoundedHit, corners: [Vec3; 3], of: [Vec3; 3]| {
             let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
             Some(plane.side_of(hit, corners)? > 0.0)
         };

@@ -2,7 +2,7 @@ use crate::hit::{MISS, PrimitiveHit};
 
 /// The closest hit so far, with a bound on the error of its parameter.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest {
+pub(crate) struct BoundedHit {
     /// The triangle's primitive index, or [`MISS`].
     pub(crate) primitive: u32,
     /// The ray's parameter; infinity at a miss.
@@ -15,7 +15,7 @@ pub(crate) struct Nearest {
     pub(crate) v: f64,
 }
 
-impl Nearest {
+impl BoundedHit {
     /// No hit yet.
     pub(crate) const NONE: Self = Self {
         primitive: MISS,
@@ -56,17 +56,17 @@ mod tests {
     /// With either error at zero this fails.
     #[test]
     fn hits_whose_intervals_touch_are_not_ordered() {
-        let at = |t: f64, t_error: f64| Nearest {
+        let at = |t: f64, t_error: f64| BoundedHit {
             primitive: 0,
             t,
             t_error,
-            ..Nearest::NONE
+            ..BoundedHit::NONE
         };
         let hit = at(2.0, 0.5);
         for (t, t_error) in [(3.0, 0.5), (2.25, 0.0), (2.0, 0.0), (1.0, 0.5), (1.75, 0.0)] {
             let other = at(t, t_error);
             assert!(!hit.is_surely_before(&other) && !other.is_surely_before(&hit));
         }
-        assert!(hit.is_surely_before(&at(3.25, 0.5)) && hit.is_surely_before(&Nearest::NONE));
+        assert!(hit.is_surely_before(&at(3.25, 0.5)) && hit.is_surely_before(&BoundedHit::NONE));
     }
 }

@@ -12,14 +12,20 @@ use crate::triangle::interpolate::{
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
 impl Accel {
-    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find`] found, given by the
+    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find_closest`] found, given by the
     /// primitive indices in `hits`: bit for bit what [`Accel::cast_primitive`] answers.
-    pub fn evaluate(&self, lattice: &Lattice, cull: Cull, precision: Precision, hits: &mut Hits) {
-        self.evaluate_numbers(lattice, cull, precision, HitNumbers::All, hits);
+    pub fn interpolate(
+        &self,
+        lattice: &Lattice,
+        cull: Cull,
+        precision: Precision,
+        hits: &mut Hits,
+    ) {
+        self.interpolate_numbers(lattice, cull, precision, HitNumbers::All, hits);
     }
 
-    /// [`Accel::evaluate`] of some of the numbers; the others may be anything.
-    pub(crate) fn evaluate_numbers(
+    /// [`Accel::interpolate`] of some of the numbers; the others may be anything.
+    pub(crate) fn interpolate_numbers(
         &self,
         lattice: &Lattice,
         cull: Cull,
@@ -30,20 +36,20 @@ impl Accel {
         hits.primitives.resize(lattice.len(), MISS);
         hits.resize_tuv();
         if let Some(halves) = lattice.halves() {
-            return self.evaluate_halves((lattice, halves), cull, precision, hits);
+            return self.interpolate_halves((lattice, halves), cull, precision, hits);
         }
         if lattice.camera.has_an_eye_a_column() {
-            return self.evaluate_each(lattice, cull, precision, hits);
+            return self.interpolate_each(lattice, cull, precision, hits);
         }
         // Panoramas use the variant for instances, so that it is compiled once only.
         if self.has_instances() || lattice.camera.projection().panorama().is_some() {
-            self.evaluate_in::<true>(lattice, cull, precision, numbers, hits);
+            self.interpolate_in::<true>(lattice, cull, precision, numbers, hits);
         } else {
-            self.evaluate_in::<false>(lattice, cull, precision, numbers, hits);
+            self.interpolate_in::<false>(lattice, cull, precision, numbers, hits);
         }
     }
 
-    fn evaluate_in<const INSTANCES: bool>(
+    fn interpolate_in<const INSTANCES: bool>(
         &self,
         lattice: &Lattice,
         cull: Cull,
@@ -53,7 +59,7 @@ impl Accel {
     ) {
         dispatch(
             self.simd,
-            Evaluate::<INSTANCES> {
+            InterpolateLattice::<INSTANCES> {
                 accel: self,
                 lattice,
                 cull,
@@ -65,7 +71,7 @@ impl Accel {
     }
 }
 
-struct Evaluate<'a, const INSTANCES: bool> {
+struct InterpolateLattice<'a, const INSTANCES: bool> {
     accel: &'a Accel,
     lattice: &'a Lattice,
     cull: Cull,
@@ -82,7 +88,7 @@ struct Eight<'h> {
     v: &'h mut [f32; LANES],
 }
 
-impl<const INSTANCES: bool> Work for Evaluate<'_, INSTANCES> {
+impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let columns = self.lattice.columns as usize;
@@ -364,7 +370,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         let ray = self.lattice.ray(column, row);
         let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
         ray.map_or(PrimitiveHit::NONE, |ray| {
-            ray.evaluate(primitive, self.accel.corners_of::<INSTANCES>(primitive))
+            ray.hit_on(primitive, self.accel.corners_of::<INSTANCES>(primitive))
                 .to_primitive_hit()
         })
     }

@@ -15,18 +15,18 @@ const BITS_EACH: usize = 32;
 /// more, threads idle.
 const TOGETHER: usize = 1 << 12;
 
-/// The triangles that are copies: another triangle with a lower number has the same three corners in the same winding
+/// The triangles that are duplicates: another triangle with a lower number has the same three corners in the same winding
 /// order. `numbers` ascend; the result are indices into them, ascending.
 ///
 /// A ray hits both at the same distance or neither, so the lowest number wins, whichever faces are culled. Deciding
 /// that here saves every ray the comparison. A triangle of the other winding order is no copy, since culling
 /// distinguishes the two; nor is a copy of a triangle that is not opaque, which may let rays through.
 ///
-/// `hashes` are those of [`hash`](super::corner_hash::hash). Without copies this takes a few nanoseconds a triangle.
-pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
+/// `hashes` are those of [`hash`](super::corner_hash::hash). Without duplicates this takes a few nanoseconds a triangle.
+pub(super) fn duplicates(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<u32> {
     let suspects = suspects(hashes);
     let runs = suspects.chunk_by(|a, b| a.0 == b.0);
-    let mut copies: Vec<u32> = runs
+    let mut duplicates: Vec<u32> = runs
         .filter(|run| run.len() > 1)
         .flat_map(|run| {
             let mut seen = HashSet::new();
@@ -42,8 +42,8 @@ pub(super) fn copies(world: &World<'_>, numbers: &[u32], hashes: &[u32]) -> Vec<
             })
         })
         .collect();
-    copies.sort_unstable();
-    copies
+    duplicates.sort_unstable();
+    duplicates
 }
 
 /// The corners rotated so that the least comes first, in the same winding order.
@@ -109,7 +109,7 @@ mod tests {
     use glam::DVec3;
     use std::sync::Arc;
 
-    /// The copies among triangles with corners at a few points.
+    /// The duplicates among triangles with corners at a few points.
     fn found(positions: &[DVec3], triangles: Vec<[u32; 3]>) -> Vec<u32> {
         let mesh = Mesh::new(MeshData {
             positions: positions.to_vec(),
@@ -121,7 +121,7 @@ mod tests {
         };
         let world = World::of(&scene).expect("a valid scene");
         let reachable = world.reachable();
-        copies(&world, &reachable.numbers, &reachable.hashes)
+        duplicates(&world, &reachable.numbers, &reachable.hashes)
     }
 
     #[test]
