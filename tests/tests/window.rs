@@ -75,6 +75,21 @@ impl Window {
         })
     }
 
+    /// Opens a line for text with a key, and waits until it is on the screen, which stood before.
+    fn open_line(&mut self, key: &str) {
+        let before = self.screen.shot();
+        self.screen.xdotool(&["key", key]);
+        self.wait_for("a line for text", |window| {
+            (window.screen.shot() != before).then_some(())
+        });
+    }
+
+    /// Types a text and accepts it.
+    fn enter(&self, text: &str) {
+        self.screen.xdotool(&["type", "--delay", "5", text]);
+        self.screen.xdotool(&["key", "Return"]);
+    }
+
     /// Drags the picture with a mouse button, in steps as a hand does it.
     fn drag(&self, button: &str, from: (u32, u32), to: (u32, u32)) {
         let at = |(x, y): (u32, u32)| {
@@ -218,14 +233,9 @@ fn a_scene_is_put_together_saved_and_opened_again() {
             .screen
             .xdotool(&[&["key", "--delay", "60"], keys].concat());
     };
-    let give = |window: &Window, key: &str, path: &Path| {
-        keys(window, &[key]);
-        std::thread::sleep(Duration::from_millis(500));
-        let path = path.display().to_string();
-        window.screen.xdotool(&["type", "--delay", "5", &path]);
-        keys(window, &["Return"]);
-    };
-    give(&window, "ctrl+shift+o", &folder.path().join("torus.obj"));
+    window.open_line("ctrl+shift+o");
+    let torus = folder.path().join("torus.obj");
+    window.enter(&torus.display().to_string());
     let both = window.settled(|shot| is_picture(shot) && *shot != cube);
 
     // A click on the picture marks the object there; h hides it.
@@ -242,12 +252,10 @@ fn a_scene_is_put_together_saved_and_opened_again() {
     keys(&window, &["Return"]);
 
     let scene = folder.path().join("both.raycast.toml");
-    keys(&window, &["ctrl+s"]);
-    std::thread::sleep(Duration::from_millis(500));
+    window.settled(is_picture);
+    window.open_line("ctrl+s");
     keys(&window, &["ctrl+a"]);
-    let path = scene.display().to_string();
-    window.screen.xdotool(&["type", "--delay", "5", &path]);
-    keys(&window, &["Return"]);
+    window.enter(&scene.display().to_string());
     let text = window.wait_for("saved scene", |_| std::fs::read_to_string(&scene).ok());
     assert!(
         text.contains("\"lid\"") && !text.contains("visible"),
@@ -293,12 +301,10 @@ fn a_handle_moves_the_marked_object_and_escape_gives_a_drag_up() {
 
     let save = |window: &mut Window, name: &str| {
         let scene = folder.path().join(name);
-        window.screen.xdotool(&["key", "ctrl+shift+s"]);
-        std::thread::sleep(Duration::from_millis(500));
+        window.settled(|_| true);
+        window.open_line("ctrl+shift+s");
         window.screen.xdotool(&["key", "ctrl+a"]);
-        let path = scene.display().to_string();
-        window.screen.xdotool(&["type", "--delay", "5", &path]);
-        window.screen.xdotool(&["key", "Return"]);
+        window.enter(&scene.display().to_string());
         window.wait_for("saved scene", |_| std::fs::read_to_string(&scene).ok())
     };
     let moved = save(&mut window, "moved.raycast.toml");
@@ -344,22 +350,20 @@ fn a_sitting_leaves_its_outline_its_picture_and_a_scene_with_a_parent() {
             .xdotool(&[&["key", "--delay", "60"], keys].concat());
         std::thread::sleep(Duration::from_millis(500));
     };
-    let write = |window: &Window, text: &str| {
-        window.screen.xdotool(&["type", "--delay", "5", text]);
-        press(window, &["Return"]);
-    };
-    let run = |window: &Window, name: &str| {
-        press(window, &["ctrl+p"]);
-        write(window, name);
+    let write = |window: &mut Window, key: &str, text: &str| {
+        window.settled(|_| true);
+        window.open_line(key);
+        window.enter(text);
     };
     // The message about the bad file.
     press(&window, &["Escape"]);
-    run(&window, "cut across x");
+    write(&mut window, "ctrl+p", "cut across x");
     window.settled(|shot| shot.middle().difference(&both.middle()) > 0.01);
     let outline = folder.path().join("outline.svg");
-    run(&window, "save outline");
+    write(&mut window, "ctrl+p", "save outline");
+    std::thread::sleep(Duration::from_millis(500));
     // A whole name over the suggested one, whose ending is not marked.
-    write(&window, &outline.display().to_string());
+    window.enter(&outline.display().to_string());
     let drawing = window.wait_for("an outline", |_| std::fs::read_to_string(&outline).ok());
     assert!(drawing.contains("<path"), "{drawing}");
 
@@ -368,15 +372,13 @@ fn a_sitting_leaves_its_outline_its_picture_and_a_scene_with_a_parent() {
     window.drag("1", (list, 96), (list, 72));
     std::thread::sleep(Duration::from_millis(300));
     let scene = folder.path().join("sitting.raycast.toml");
-    press(&window, &["ctrl+s"]);
-    write(&window, &scene.display().to_string());
+    write(&mut window, "ctrl+s", &scene.display().to_string());
     let text = window.wait_for("a scene", |_| std::fs::read_to_string(&scene).ok());
     assert!(text.contains("parent"), "{text}");
     assert!(text.contains("[[clip]]"), "{text}");
 
     let picture = folder.path().join("picture.png");
-    press(&window, &["ctrl+e"]);
-    write(&window, &picture.display().to_string());
+    write(&mut window, "ctrl+e", &picture.display().to_string());
     window.wait_for("a picture", |_| image::open(&picture).ok());
     succeed(["info".as_ref(), scene.as_os_str()]);
 }

@@ -21,6 +21,7 @@ pub(super) fn ask(state: &mut State, kind: PromptKind) -> Effect {
         kind,
         text,
         dialog: true,
+        has_lost_keyboard: false,
         listing: None,
     });
     Effect::Dialog(kind)

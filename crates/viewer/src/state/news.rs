@@ -85,10 +85,8 @@ pub enum News {
 pub enum DialogAnswer {
     /// The user chose paths.
     Paths(Vec<PathBuf>),
-    /// The user cancelled it.
-    Cancelled,
-    /// The desktop has no dialogs.
-    Unavailable,
+    /// The user cancelled it, or the desktop has no dialogs.
+    Nothing,
 }
 
 /// Applies news from another thread; `now` is the window's clock.
@@ -270,12 +268,13 @@ fn answered(state: &mut State, kind: PromptKind, answer: DialogAnswer) -> Option
             let kind = prompt.kind;
             files::take(state, kind, paths, true)
         }
-        DialogAnswer::Cancelled => {
+        // A dialog that is shown takes the keyboard, at the latest when it is cancelled; where none came, the line stays.
+        DialogAnswer::Nothing if prompt.has_lost_keyboard && prompt.listing.is_none() => {
             state.prompt = None;
             state.forget_pending();
             None
         }
-        DialogAnswer::Unavailable => {
+        DialogAnswer::Nothing => {
             prompt.dialog = false;
             None
         }

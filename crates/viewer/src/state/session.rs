@@ -50,6 +50,8 @@ pub struct Prompt {
     pub text: String,
     /// Whether a desktop dialog is open as well.
     pub dialog: bool,
+    /// Whether the window has lost the keyboard since: to the dialog, if there is one.
+    pub has_lost_keyboard: bool,
     /// The names in its path's folder; `None` until something is typed.
     pub listing: Option<Listing>,
 }

@@ -324,6 +324,11 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
         Command::Ask(PromptKind::Outline(plane)) if plane >= state.settings.clip.all().len() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),
+        Command::LoseKeyboard => {
+            if let Some(prompt) = &mut state.prompt {
+                prompt.has_lost_keyboard = true;
+            }
+        }
         Command::SetAdding(adding) => {
             if let Some(prompt) = &mut state.prompt {
                 prompt.kind = if adding {

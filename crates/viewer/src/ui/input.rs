@@ -118,6 +118,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
                 egui::Event::Paste(text) if !typing => {
                     commands.push(Command::PasteCamera(text.clone()));
                 }
+                egui::Event::WindowFocused(false) => commands.push(Command::LoseKeyboard),
                 egui::Event::Text(_) if std::mem::take(&mut is_letter) => {}
                 egui::Event::Text(text) if opens => typed.push_str(text),
                 _ => {}

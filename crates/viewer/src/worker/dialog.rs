@@ -3,7 +3,6 @@
 use crate::state::PromptKind;
 use crate::state::news::DialogAnswer;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 /// Extensions of files that can be opened.
 pub(super) const DIALOG_ENDINGS: &[&str] = &[
@@ -15,7 +14,6 @@ pub(super) const IMAGE_ENDINGS: &[&str] = &["png", "jpg", "jpeg", "ppm"];
 
 pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
     let dialog = rfd::FileDialog::new();
-    let started = Instant::now();
     let files = |title| {
         let dialog = rfd::FileDialog::new()
             .set_title(title)
@@ -53,10 +51,6 @@ pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
             .set_file_name(suggested)
             .save_file()),
     };
-    match paths {
-        Some(paths) => DialogAnswer::Paths(paths),
-        // Nobody closes a dialog so soon: it was never shown.
-        None if started.elapsed() < Duration::from_millis(700) => DialogAnswer::Unavailable,
-        None => DialogAnswer::Cancelled,
-    }
+    // Both a dialog that is cancelled and a desktop without one give nothing.
+    paths.map_or(DialogAnswer::Nothing, DialogAnswer::Paths)
 }

@@ -24,7 +24,7 @@ fn the_path_line_outlives_a_desktop_without_dialogs() {
     let mut state = State::default();
     let effect = update(&mut state, Command::Ask(PromptKind::Open));
     assert_eq!(effect, Some(Effect::Dialog(PromptKind::Open)));
-    let news = News::Dialog(PromptKind::Open, DialogAnswer::Unavailable);
+    let news = News::Dialog(PromptKind::Open, DialogAnswer::Nothing);
     receive(&mut state, news, Duration::ZERO);
     assert!(state.prompt.as_ref().is_some_and(|prompt| !prompt.dialog));
     update(&mut state, Command::TypePath(" mesh.obj ".to_owned()));
@@ -32,6 +32,21 @@ fn the_path_line_outlives_a_desktop_without_dialogs() {
     let whole = std::path::absolute("mesh.obj").expect("a path");
     assert_eq!(effect, Some(Effect::Open(vec![whole], Keep::Nothing)));
     assert!(state.prompt.is_none());
+}
+
+#[test]
+fn a_cancelled_dialog_takes_the_path_line_with_it_unless_a_path_was_begun() {
+    let cancelled = || News::Dialog(PromptKind::Open, DialogAnswer::Nothing);
+    let mut state = State::default();
+    update(&mut state, Command::Ask(PromptKind::Open));
+    update(&mut state, Command::LoseKeyboard);
+    receive(&mut state, cancelled(), Duration::ZERO);
+    assert!(state.prompt.is_none());
+    update(&mut state, Command::Ask(PromptKind::Open));
+    update(&mut state, Command::LoseKeyboard);
+    update(&mut state, Command::TypePath("/tmp".to_owned()));
+    receive(&mut state, cancelled(), Duration::ZERO);
+    assert!(state.prompt.is_some_and(|prompt| !prompt.dialog));
 }
 
 #[test]
