@@ -1,5 +1,5 @@
 use super::*;
-use crate::camera::{Camera, ImagePlane, Panorama, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, LensPatch, Panorama, Placement, Projection};
 use crate::math;
 use crate::random::Random;
 
@@ -210,10 +210,8 @@ fn a_lens_is_well_behaved_where_it_is_said_to_be() {
             if !lens.is_well_behaved(furthest[0], furthest[1]) {
                 continue;
             }
-            let region = lens.region(across, along).expect("well-behaved");
-            let [xs, ys] = lens
-                .window(&region, across, along)
-                .expect("it has a middle");
+            let patch = LensPatch::new(&lens, across, along, 0.0, None);
+            let [xs, ys] = patch.expect("well-behaved").window();
             for _ in 0..20 {
                 let (a, b) = (
                     middle.x + half.x * random.signed(),

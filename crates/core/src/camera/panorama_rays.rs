@@ -6,6 +6,7 @@
     reason = "a lane is an index into all the arrays at once"
 )]
 
+use super::lens_patch::{LensPatch, PatchPlaces, PlaceScale};
 use super::panorama::{CROSS, Face, STRIP};
 use super::{Lattice, LensRegion, Panorama, Rect};
 use crate::math;
@@ -28,6 +29,8 @@ pub(crate) struct PanoramaRays {
     axes: [[f64; 3]; 3],
     columns: SidePlaces,
     rows: SidePlaces,
+    /// From a row's place to that of the next.
+    row_step: f64,
 }
 
 /// The places along one side of the picture, in the unit of [`Panorama`]: one radian at the picture's middle. The
@@ -91,6 +94,7 @@ impl PanoramaRays {
             axes: axes.map(|axis| axis.to_array()),
             columns: SidePlaces::new((0..lattice.columns).map(across).collect(), has_longitudes),
             rows: SidePlaces::new((0..lattice.rows).map(along).collect(), has_latitudes),
+            row_step: along(1) - along(0),
         })
     }
 
@@ -157,14 +161,34 @@ impl PanoramaRays {
         lens.region(across, (bottom, top))
     }
 
-    /// Bounds, to the right and up, of the points in which the rays of a region's rectangle cross the image plane at unit
-    /// distance. `None` without a lens.
-    pub(crate) fn window(&self, region: &LensRegion, rect: Rect) -> Option<[(f64, f64); 2]> {
+    /// What is known of a rectangle's directions through a lens; `None` as [`PanoramaRays::lens_region`]. `larger` is the patch
+    /// of a rectangle that contains it, where that is known.
+    pub(crate) fn lens_patch(&self, rect: Rect, larger: Option<&LensPatch>) -> Option<LensPatch> {
         let Panorama::Lens(lens) = self.panorama else {
             return None;
         };
         let (across, (top, bottom)) = self.ends(rect)?;
-        lens.window(region, across, (bottom, top))
+        LensPatch::new(&lens, across, (bottom, top), self.row_step, larger)
+    }
+
+    /// Finds the places of a patch's rays in a packet of `SIDE` to a row, and how far off their directions may be; `None`
+    /// where they are not found.
+    #[inline(always)]
+    pub(crate) fn find_places<const SIDE: usize>(
+        &self,
+        (patch, rect): (&LensPatch, Rect),
+        scale: &PlaceScale,
+        out: (&mut [f32], &mut [f32]),
+    ) -> Option<f64> {
+        let places = PatchPlaces {
+            columns: self.columns.at.get(rect.x as usize..)?,
+            width: rect.width as usize,
+            first: -SidePlaces::one(&self.rows.at, rect.y as usize),
+            step: -self.row_step,
+            height: rect.height as usize,
+        };
+        let is_found = patch.find_places::<SIDE>(&places, scale, out);
+        is_found.then(|| patch.tolerance(self.row_step)).flatten()
     }
 
     /// The cube face of a ray.

@@ -25,7 +25,8 @@
 //!   are places already: neither products nor the plane's axes move them. With x and y at most 2 ([`FLATTEST`]) |d| is
 //!   at most 3, B at most 5, and the nine roundings of rays on their way to the world move tangents by less than
 //!   9√3·3·(1 + 2)ε < 2⁸ε, in both coordinates 363ε. A ray's own direction and the packet's, from Newton's steps,
-//!   differ by 2·720ε: together 1803ε, and with √2·90ε from rounding places as above below [`PLACE_ERROR`].
+//!   differ by 2·720ε: together 1803ε, and with √2·90ε from rounding places as above below [`PLACE_ERROR`]. Where places
+//!   are found without directions (`camera/lens_patch`), tangents are off by that patch's tolerance beside.
 //! * **Faces of a cube.** They are planes, and their packets lattices, with the picture's own rays beside the
 //!   lattice's. Those differ by less than 1100ε a tangent and rounding (`camera/cube_face`), K times as much in
 //!   columns: 1560εK where both coordinates move a direction.
@@ -39,8 +40,11 @@ use super::frustum::Window;
 use super::params::{CELLS, ROW, SIDE};
 use super::place_box::PlaceBox;
 use super::setup::PacketSpace;
-use crate::camera::{Camera, FLATTEST, ImagePlane, LensRegion, PanoramaRays, Rect};
+use crate::camera::{
+    Camera, FLATTEST, ImagePlane, LensPatch, LensRegion, PanoramaRays, PlaceScale, Rect,
+};
 use crate::hit::Cull;
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes};
 pub(super) use bounds::first_of;
 use bounds::{CellCentres, PlaceBoxes};
@@ -117,6 +121,10 @@ pub(super) struct Places {
     window: Window,
     /// The first ray's place in that camera's picture.
     first: (f64, f64),
+    /// The corner of the window from which places are counted: its left, and its top.
+    corner: (f64, f64),
+    /// How far off the rays' tangents are, beyond rounding.
+    beside: f64,
     /// Working memory: directions in the camera's axes, then places on the plane.
     directions: [[f64; RAYS]; 3],
 }
@@ -146,11 +154,13 @@ impl Places {
                 along: (0.0, 0.0),
             },
             first: (0.0, 0.0),
+            corner: (0.0, 0.0),
+            beside: 0.0,
             directions: zero,
         })
     }
 
-    /// Computes the places of a rectangle of at most [`SIDE`] × [`SIDE`] rays of a camera. `region` is what is known of it
+    /// Computes the places of a rectangle of at most [`SIDE`] × [`SIDE`] rays of a camera. `patch` is what is known of it
     /// through a lens.
     #[inline(always)]
     pub(super) fn find(
@@ -158,16 +168,23 @@ impl Places {
         lanes: impl Lanes,
         (camera, rays): (&Camera, &PanoramaRays),
         packet: Rect,
-        region: Option<LensRegion>,
+        patch: Option<&LensPatch>,
     ) -> Fit {
         self.columns = packet.width;
         self.rows_of_rays = packet.height;
-        if !self.find_directions(rays, packet, region) {
-            return Fit::Empty;
-        }
         // NaN fails this comparison.
         let eye = camera.placement().eye.abs();
         let is_near = rays.reach() <= FURTHEST && eye.cmple(DVec3::splat(FURTHEST)).all();
+        if let Some(patch) = patch
+            && is_near
+            && self.find_smooth(lanes, (camera, rays), packet, patch)
+        {
+            return Fit::Packet;
+        }
+        self.beside = 0.0;
+        if !self.find_directions(rays, packet, patch.map(|patch| patch.region)) {
+            return Fit::Empty;
+        }
         if !is_near {
             return Fit::Wide;
         }
@@ -180,9 +197,55 @@ impl Places {
                 return Fit::Wide;
             }
         }
-        self.scale();
+        self.place();
         self.bound(lanes);
         Fit::Packet
+    }
+
+    /// Computes the places of a patch's rays. Returns `false` where only the rays' directions tell.
+    #[inline(always)]
+    fn find_smooth(
+        &mut self,
+        lanes: impl Lanes,
+        (camera, rays): (&Camera, &PanoramaRays),
+        packet: Rect,
+        patch: &LensPatch,
+    ) -> bool {
+        let [across, along] = patch.window();
+        self.window = Window { across, along };
+        self.view = camera.unit_perspective();
+        let scale = self.scale();
+        let out = (&mut self.x[..], &mut self.y[..]);
+        let Some(beside) = rays.find_places::<SIDE>((patch, packet), &scale, out) else {
+            return false;
+        };
+        let step = self.view.plane().step;
+        // A packet of few rays has columns that are closer than its rays.
+        if beside > MOST_BESIDE * step {
+            return false;
+        }
+        self.beside = beside;
+        self.has_ray = [0; SIDE];
+        let rows = packet.height as usize;
+        for row in self.has_ray.iter_mut().take(rows) {
+            *row = u32::MAX >> (SIDE as u32 - packet.width.clamp(1, SIDE as u32));
+        }
+        fill(&self.has_ray, 0, [&mut self.x, &mut self.y]);
+        self.bound(lanes);
+        // The patch's window is wider than its rays need.
+        self.window = self.window_of(&self.around).grown(ROUNDED * step);
+        true
+    }
+
+    /// The window of some places.
+    fn window_of(&self, places: &PlaceBox) -> Window {
+        let (step, (left, high)) = (self.view.plane().step, self.corner);
+        let across = |place: f32| left + (f64::from(place) - MARGIN) * step;
+        let along = |place: f32| high - (f64::from(place) - MARGIN) * step;
+        Window {
+            across: (across(places.left), across(places.right)),
+            along: (along(places.bottom), along(places.top)),
+        }
     }
 
     /// Computes the directions of all rays, in the camera's axes. Returns whether there are any rays.
@@ -203,7 +266,8 @@ impl Places {
             return false;
         };
         let column = self.has_ray[row].trailing_zeros() as usize;
-        self.fill(row * SIDE + column);
+        let [x, y, z] = &mut self.directions;
+        fill(&self.has_ray, row * SIDE + column, [x, y, z]);
         true
     }
 
@@ -324,29 +388,6 @@ impl Places {
         }
     }
 
-    /// Gives entries without a ray the direction of one that has a ray.
-    fn fill(&mut self, from: usize) {
-        let all = u32::MAX >> (SIDE as u32 - self.columns.clamp(1, SIDE as u32));
-        let is_whole = |&rays: &u32| rays == all;
-        let rows = self.rows_of_rays as usize;
-        if self.columns == SIDE as u32 && rows == SIDE && self.has_ray.iter().all(is_whole) {
-            return;
-        }
-        let mut near = from;
-        for row in 0..SIDE {
-            for column in 0..SIDE {
-                let at = row * SIDE + column;
-                if self.has_ray[row] >> column & 1 != 0 {
-                    near = at;
-                } else {
-                    for all in &mut self.directions {
-                        all[at] = all[near];
-                    }
-                }
-            }
-        }
-    }
-
     fn direction(&self, column: usize, row: usize) -> DVec3 {
         let [x, y, z] = &self.directions;
         let at = row * SIDE + column;
@@ -431,18 +472,7 @@ impl Places {
     #[inline(always)]
     fn take_tangents(&mut self, camera: &Camera) -> bool {
         let [xs, ys, _] = &self.directions;
-        let [across, along] = [xs, ys].map(|tangents| {
-            let mut least = [f64::INFINITY; LANES];
-            let mut most = [f64::NEG_INFINITY; LANES];
-            for eight in tangents.as_chunks::<LANES>().0 {
-                for lane in 0..LANES {
-                    least[lane] = lesser(eight[lane], least[lane]);
-                    most[lane] = greater(eight[lane], most[lane]);
-                }
-            }
-            let least = least.into_iter().fold(f64::INFINITY, lesser);
-            (least, most.into_iter().fold(f64::NEG_INFINITY, greater))
-        });
+        let (across, along) = (extremes(xs), extremes(ys));
         let furthest = greater(greater(-across.0, across.1), greater(-along.0, along.1));
         if furthest > FLATTEST {
             return false;
@@ -452,10 +482,26 @@ impl Places {
         true
     }
 
-    /// Scales places to the packet's columns and rows.
+    /// Scales the places of directions to the packet's columns and rows.
     #[inline(always)]
-    fn scale(&mut self) {
+    fn place(&mut self) {
+        let PlaceScale {
+            corner: (left, high),
+            inverse,
+            ..
+        } = self.scale();
         let [xs, ys, _] = &self.directions;
+        for ((x, y), (&across, &along)) in
+            (self.x.iter_mut().zip(&mut self.y)).zip(xs.iter().zip(ys))
+        {
+            *x = ((across - left) * inverse + MARGIN) as f32;
+            *y = ((high - along) * inverse + MARGIN) as f32;
+        }
+    }
+
+    /// Lays the packet's columns and rows over its window.
+    #[inline(always)]
+    fn scale(&mut self) -> PlaceScale {
         let Window {
             across: (left, right),
             along: (low, high),
@@ -472,25 +518,17 @@ impl Places {
         };
         self.view = self.view.with_plane(plane);
         let inverse = 1.0 / step;
-        for ((x, y), (&across, &along)) in
-            (self.x.iter_mut().zip(&mut self.y)).zip(xs.iter().zip(ys))
-        {
-            *x = ((across - left) * inverse + MARGIN) as f32;
-            *y = ((high - along) * inverse + MARGIN) as f32;
-        }
-        // Rounding keeps order, so these are the extremes of the places as rounded.
-        let last = |extent: f64| (extent * inverse + MARGIN) as f32;
-        self.around = PlaceBox {
-            left: MARGIN as f32,
-            right: last(right - left),
-            top: MARGIN as f32,
-            bottom: last(high - low),
-        };
         let half = SIDE as f64 * 0.5;
         self.first = (
             left * inverse - MARGIN + half,
             half - (high * inverse + MARGIN),
         );
+        self.corner = (left, high);
+        PlaceScale {
+            corner: self.corner,
+            inverse,
+            margin: MARGIN,
+        }
     }
 
     /// The packet's space. `eye` is the camera's, relative to the point that corners are relative to, and off by at
@@ -498,12 +536,12 @@ impl Places {
     pub(super) fn space(&self, eye: DVec3, eye_error: f64, cull: Cull) -> PacketSpace {
         let side = (SIDE as u32, SIDE as u32);
         let space = PacketSpace::new(&self.view, eye, eye_error, self.first, 1.0, side, cull);
-        space.with_rays_beside()
+        space.with_rays_beside(self.beside)
     }
 
     /// The window of the view's plane that the rays go through.
     pub(super) fn window(&self) -> Window {
-        self.window.grown(TANGENT_ERROR)
+        self.window.grown(TANGENT_ERROR + self.beside)
     }
 
     /// The places of eight rays of a cell's row, the first of which is `first`.
@@ -515,14 +553,45 @@ impl Places {
 }
 
 impl PacketSpace {
-    /// The same packet, with rays beside their places by [`PLACE_ERROR`].
-    pub(super) fn with_rays_beside(mut self) -> Self {
+    /// The same packet, with rays beside their places by [`PLACE_ERROR`], and on a plane at distance one by `beside` more.
+    pub(super) fn with_rays_beside(mut self, beside: f64) -> Self {
         // Bounds are proportional to these, where a lattice's rays are off by 32 units, or its directions by 20.
         self.ray_error *= PLACE_ERROR / 32.0;
         self.rays.greatest *= self.obliqueness * (PLACE_ERROR / 20.0);
+        if beside > 0.0 {
+            self.ray_error += beside / self.rays.steps[0].length();
+            self.rays.greatest += beside / (20.0 * EPSILON);
+        }
         self
     }
 }
+
+/// Gives entries without a ray the numbers of one that has a ray, at first those of `from`.
+fn fill<T: Copy, const N: usize>(has_ray: &[u32; SIDE], from: usize, mut all: [&mut [T; RAYS]; N]) {
+    if has_ray.iter().all(|&rays| rays == u32::MAX) {
+        return;
+    }
+    let mut near = from;
+    for row in 0..SIDE {
+        for column in 0..SIDE {
+            let at = row * SIDE + column;
+            if has_ray[row] >> column & 1 != 0 {
+                near = at;
+            } else {
+                for numbers in &mut all {
+                    numbers[at] = numbers[near];
+                }
+            }
+        }
+    }
+}
+
+/// More than rounding to single precision moves a place, in columns: 2⁻¹⁹.
+const ROUNDED: f64 = 1.0 / (1 << 16) as f64;
+
+/// How far off places may be, in columns, apart from rounding: a sixth of what edge functions' own errors amount to. With
+/// a greater number more rays are left undecided; with a lesser one more packets take Newton's steps for each ray.
+const MOST_BESIDE: f64 = 1.0 / (1 << 15) as f64;
 
 const ONES: [f64; LANES] = [1.0; LANES];
 
@@ -549,6 +618,24 @@ fn extrapolated_to_the_right(eight: &[[f64; LANES]; 2]) -> [[f64; LANES]; 2] {
         }
     }
     next
+}
+
+/// The least and the greatest of some numbers.
+#[inline(always)]
+fn extremes(numbers: &[f64; RAYS]) -> (f64, f64) {
+    let mut least = [f64::INFINITY; LANES];
+    let mut most = [f64::NEG_INFINITY; LANES];
+    for eight in numbers.as_chunks::<LANES>().0 {
+        for lane in 0..LANES {
+            least[lane] = lesser(eight[lane], least[lane]);
+            most[lane] = greater(eight[lane], most[lane]);
+        }
+    }
+    let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
+    for lane in 0..LANES {
+        ends = (lesser(least[lane], ends.0), greater(most[lane], ends.1));
+    }
+    ends
 }
 
 #[inline(always)]

@@ -485,7 +485,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             cull,
         );
         let space = if self.has_ray_error {
-            space.with_rays_beside()
+            space.with_rays_beside(0.0)
         } else {
             space
         };

@@ -3,7 +3,7 @@
 //! for a plane are split, and the smallest ones are cast ray by ray.
 
 use super::Find;
-use crate::camera::{LensRegion, PanoramaRays};
+use crate::camera::{LensPatch, PanoramaRays};
 use crate::num::simd::{Lanes, Work};
 use crate::packet::frustum::Window;
 use crate::packet::interval_zbuffer::IntervalZBuffer;
@@ -13,10 +13,10 @@ use crate::packet::ray_rect::RayRect;
 use crate::packet::traversal::Traversal;
 use glam::DVec3;
 
-/// A window of the image plane that contains the places of a region's rays through a lens.
-fn window(rays: &PanoramaRays, region: &LensRegion, packet: &RayRect) -> Option<Window> {
-    let [across, along] = rays.window(region, packet.rect())?;
-    Some(Window { across, along })
+/// The window of the image plane that contains the places of a patch's rays.
+fn window(patch: &LensPatch) -> Window {
+    let [across, along] = patch.window();
+    Window { across, along }
 }
 
 /// [`Find`] for a panorama's lattice.
@@ -47,9 +47,9 @@ impl Work for FindAround<'_> {
             Some((in_world(axis).normalize_or_zero(), tangent))
         };
         for large in faces.into_iter().flat_map(|face| face.split(LARGE_SIDE)) {
-            let region = rays.lens_region(large.rect());
-            let may_hit = match region.and_then(|region| window(&rays, &region, &large)) {
-                Some(window) => traversal.find_entry_points_through(lanes, &plane, &window),
+            let large_patch = rays.lens_patch(large.rect(), None);
+            let may_hit = match &large_patch {
+                Some(patch) => traversal.find_entry_points_through(lanes, &plane, &window(patch)),
                 None => traversal.find_entry_points_around(lanes, cone(&large)),
             };
             if !may_hit {
@@ -58,9 +58,9 @@ impl Work for FindAround<'_> {
             rest.extend(large.split(SIDE as u32));
             while let Some(packet) = rest.pop() {
                 // Rejects most packets beside a mesh before their rays are computed.
-                let region = rays.lens_region(packet.rect());
-                let may_hit = match region.and_then(|region| window(&rays, &region, &packet)) {
-                    Some(window) => traversal.may_hit(lanes, &plane, &window),
+                let patch = rays.lens_patch(packet.rect(), large_patch.as_ref());
+                let may_hit = match &patch {
+                    Some(patch) => traversal.may_hit(lanes, &plane, &window(patch)),
                     None => match cone(&packet) {
                         Some(cone) => traversal.may_hit_around(lanes, cone),
                         None => true,
@@ -69,7 +69,7 @@ impl Work for FindAround<'_> {
                 if !may_hit {
                     continue;
                 }
-                match places.find(lanes, (camera, &rays), packet.rect(), region) {
+                match places.find(lanes, (camera, &rays), packet.rect(), patch.as_ref()) {
                     Fit::Empty => {}
                     Fit::Wide if packet.columns.max(packet.rows) > ROW as u32 => {
                         let half = packet.columns.max(packet.rows).div_ceil(2);

@@ -90,13 +90,18 @@ impl IntervalZBuffer {
                 continue;
             }
             let functions = EdgeFunctions::of(&set_up, l, primitive);
-            let (cuts, count) = Cut::all(primitive, &set_up, l, decisions);
             if set_up.ill_conditioned[l] {
                 self.mark_places_undecided(lanes, places, &functions, &bounds[l]);
-            } else {
-                let functions = (&functions, &cuts[..count]);
-                self.rasterize_cells_at(lanes, places, functions, &bounds[l], decisions);
+                continue;
             }
+            let all;
+            let cuts = if decisions.clip().is_empty() {
+                &[][..]
+            } else {
+                all = Cut::all(primitive, &set_up, l, decisions);
+                &all.0[..all.1]
+            };
+            self.rasterize_cells_at(lanes, places, (&functions, cuts), &bounds[l], decisions);
         }
         self.update_hi_z(lanes);
     }

@@ -1,6 +1,6 @@
 //! Bounds of the places of a packet's rays: of its cells, and of the rows of eight rays in each.
 
-use super::{ALL_CELLS, MARGIN, Places, TANGENT_ERROR};
+use super::{ALL_CELLS, Places, ROUNDED, TANGENT_ERROR};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::frustum::Window;
 use crate::packet::params::{CELLS, ROW, SIDE};
@@ -84,6 +84,14 @@ impl Places {
             cells.top[lane] = top.reduce_min();
             cells.bottom[lane] = -(zero - bottom).reduce_min();
         }
+        self.around = PlaceBox::EMPTY;
+        for cell in 0..ALL_CELLS {
+            let cell = self.cell(cell);
+            self.around.left = self.around.left.min(cell.left);
+            self.around.right = self.around.right.max(cell.right);
+            self.around.top = self.around.top.min(cell.top);
+            self.around.bottom = self.around.bottom.max(cell.bottom);
+        }
         for (cells, centres) in self.cells.iter().zip(&mut self.centres) {
             // The rounding is covered by the bound in `interval_zbuffer::at_places`.
             let half = |least: f32, most: f32| (most - least) * 0.5;
@@ -99,7 +107,6 @@ impl Places {
     /// Windows of the packet's four columns of cells (to the right) and four rows of cells (upwards), in pairs.
     pub(in crate::packet) fn cell_windows(&self) -> [Window; CELLS] {
         let step = self.view.plane().step;
-        let (left, high) = (self.window.across.0, self.window.along.1);
         std::array::from_fn(|index| {
             let mut all = PlaceBox::EMPTY;
             for other in 0..CELLS {
@@ -110,15 +117,8 @@ impl Places {
                 all.top = all.top.min(row.top);
                 all.bottom = all.bottom.max(row.bottom);
             }
-            // Places were rounded to single precision: by less than 2⁻¹⁸ of a column.
-            let slack = 1.0 / (1 << 16) as f64;
-            let across = |place: f32| left + (f64::from(place) - MARGIN) * step;
-            let along = |place: f32| high - (f64::from(place) - MARGIN) * step;
-            let window = Window {
-                across: (across(all.left), across(all.right)),
-                along: (along(all.bottom), along(all.top)),
-            };
-            window.grown(slack * step + TANGENT_ERROR)
+            self.window_of(&all)
+                .grown(ROUNDED * step + TANGENT_ERROR + self.beside)
         })
     }
 

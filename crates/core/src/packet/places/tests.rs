@@ -21,8 +21,8 @@ fn lattices() -> impl Iterator<Item = Lattice> {
 
 /// Whether a rectangle of a lattice's rays is one packet, whose places are then found.
 fn fits(places: &mut Places, (lattice, rays): (&Lattice, &PanoramaRays), rect: Rect) -> bool {
-    let region = rays.lens_region(rect);
-    places.find(Plain, (&lattice.camera, rays), rect, region) == Fit::Packet
+    let patch = rays.lens_patch(rect, None);
+    places.find(Plain, (&lattice.camera, rays), rect, patch.as_ref()) == Fit::Packet
 }
 
 /// The truth is the ray's own direction through the packet's map, which is off by a tenth of the bound. Places of
