@@ -10,6 +10,7 @@ use super::Triangle;
 use super::placement::{BoxPlacement, Placement};
 use super::tree::{Box32, BoxPair, Node, Subtree, Tree};
 use crate::num::simd::LANES;
+use crate::triangle::CornerLanes;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -300,7 +301,7 @@ impl Instances {
     /// Places the stored corners of eight triangles, instance by instance, with the results of
     /// [`Instances::corners`].
     #[inline(always)]
-    pub(super) fn place(&self, primitives: &[u32; LANES], corners: &mut [[f32; LANES]; 9]) {
+    pub(super) fn place(&self, primitives: &[u32; LANES], corners: &mut CornerLanes) {
         let stored = *corners;
         let mut left = [true; LANES];
         while let Some(lane) = left.iter().position(|&left| left) {

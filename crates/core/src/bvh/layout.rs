@@ -108,7 +108,7 @@ pub(super) fn join<A: Send, B: Send>(
 
 /// The number of nodes and triangles of a subtree.
 #[derive(Clone, Copy, Default)]
-struct Size {
+struct SubtreeSize {
     nodes: usize,
     primitives: usize,
 }
@@ -119,7 +119,7 @@ pub(super) struct Layout<'a> {
     treelets: &'a Treelets,
     clusters: &'a Bvh2,
     /// The size of each cluster, by its index in `clusters`.
-    sizes: Vec<Size>,
+    sizes: Vec<SubtreeSize>,
 }
 
 impl<'a> Layout<'a> {
@@ -150,7 +150,7 @@ impl<'a> Layout<'a> {
 
     /// The tree, and the indices of its boxes in leaf order.
     pub(super) fn tree(&self) -> (Tree, Vec<u32>) {
-        let Size { nodes, primitives } = self.sizes[0];
+        let SubtreeSize { nodes, primitives } = self.sizes[0];
         let mut nodes = vec![Node::default(); nodes];
         let mut order = vec![0; primitives];
         let root = self.lay_out(0, Place::default(), &mut nodes, &mut order);
@@ -201,7 +201,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// A [`Size`] that threads can set through a shared reference.
+/// A [`SubtreeSize`] that threads can set through a shared reference.
 #[derive(Default)]
 struct Cell {
     nodes: AtomicU32,
@@ -209,14 +209,14 @@ struct Cell {
 }
 
 impl Cell {
-    fn set(&self, size: Size) {
+    fn set(&self, size: SubtreeSize) {
         self.nodes.store(size.nodes as u32, Ordering::Relaxed);
         self.primitives
             .store(size.primitives as u32, Ordering::Relaxed);
     }
 
-    fn get(&self) -> Size {
-        Size {
+    fn get(&self) -> SubtreeSize {
+        SubtreeSize {
             nodes: self.nodes.load(Ordering::Relaxed) as usize,
             primitives: self.primitives.load(Ordering::Relaxed) as usize,
         }
@@ -234,7 +234,7 @@ struct Measure<'a> {
 impl Measure<'_> {
     /// Measures a cluster at a depth (the root has 1): its size and its number of levels. `None` if it is too deep,
     /// or contains a treelet that was seen before.
-    fn below(&self, index: usize, depth: usize) -> Option<(Size, usize)> {
+    fn below(&self, index: usize, depth: usize) -> Option<(SubtreeSize, usize)> {
         // A cluster of at most LEAF_LIMIT triangles becomes one leaf, which removes fewer than LEAF_LIMIT levels.
         if depth > DEPTH_LIMIT + LEAF_LIMIT {
             return None;
@@ -250,7 +250,7 @@ impl Measure<'_> {
             let primitives = self.treelets.members(treelet).len();
             let nodes = halving_nodes(primitives);
             let halvings = primitives.div_ceil(LEAF_LIMIT).next_power_of_two().ilog2();
-            (Size { nodes, primitives }, 1 + halvings as usize)
+            (SubtreeSize { nodes, primitives }, 1 + halvings as usize)
         } else {
             let a = || self.below(first, depth + 1);
             let b = || self.below(first + 1, depth + 1);
@@ -263,7 +263,7 @@ impl Measure<'_> {
             let primitives = a.primitives + b.primitives;
             if primitives <= LEAF_LIMIT {
                 (
-                    Size {
+                    SubtreeSize {
                         nodes: 0,
                         primitives,
                     },
@@ -271,7 +271,10 @@ impl Measure<'_> {
                 )
             } else {
                 let nodes = 1 + a.nodes + b.nodes;
-                (Size { nodes, primitives }, 1 + a_levels.max(b_levels))
+                (
+                    SubtreeSize { nodes, primitives },
+                    1 + a_levels.max(b_levels),
+                )
             }
         };
         self.sizes[index].set(size);

@@ -18,6 +18,7 @@ mod two_level;
 
 use crate::num::simd::{LANES, Simd};
 use crate::scene::{Bounds, Scene, SceneError};
+use crate::triangle::CornerLanes;
 use glam::{DVec3, Vec3};
 use instances::{Instances, Opened};
 use std::sync::Arc;
@@ -181,7 +182,7 @@ impl Accel {
     pub(crate) fn place<const INSTANCES: bool>(
         &self,
         primitives: &[u32; LANES],
-        corners: &mut [[f32; LANES]; 9],
+        corners: &mut CornerLanes,
     ) {
         if INSTANCES && self.triangles.is_empty() {
             self.instances.place(primitives, corners);

@@ -3,10 +3,8 @@
 use super::tree::{Box32, BoxPair};
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
+use crate::triangle::CornerLanes;
 use glam::{DAffine3, DVec3, Vec3};
-
-/// Corners of eight triangles: x, y and z of the first, the second and the third corner.
-type Corners = [[f32; LANES]; 9];
 
 /// The map from a mesh's positions to the tree's coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +33,7 @@ impl Placement {
 
     /// The same for eight triangles, bit for bit: the operations are those of [`Placement::corner`], in their order.
     #[inline(always)]
-    pub(super) fn corners(&self, positions: &Corners) -> Corners {
+    pub(super) fn corners(&self, positions: &CornerLanes) -> CornerLanes {
         let [x_axis, y_axis, z_axis] = self.world_from_object.matrix3.to_cols_array_2d();
         let translation = self.world_from_object.translation.to_array();
         let (offset, origin) = (self.offset.to_array(), self.origin.to_array());
@@ -171,7 +169,7 @@ mod tests {
     fn eight_triangles_are_placed_with_the_bits_of_single_ones() {
         let mut random = Random(11);
         for (placement, size) in placements(&mut random) {
-            let mut positions: Corners = [[0.0; LANES]; 9];
+            let mut positions: CornerLanes = [[0.0; LANES]; 9];
             positions
                 .as_flattened_mut()
                 .iter_mut()
@@ -179,7 +177,7 @@ mod tests {
             let placed = placement.corners(&positions);
             for lane in 0..LANES {
                 for corner in 0..3 {
-                    let at = |all: &Corners| {
+                    let at = |all: &CornerLanes| {
                         Vec3::from_array([0, 1, 2].map(|axis| all[3 * corner + axis][lane]))
                     };
                     let one = placement.corner(at(&positions));

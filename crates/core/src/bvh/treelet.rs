@@ -109,7 +109,7 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     let moved = indices.par_iter_mut().zip(&keys).with_min_len(PARALLEL);
     moved.for_each(|(index, &key)| *index = before[place(key)]);
     drop(before);
-    let all = Part {
+    let all = KeyRange {
         keys: &keys,
         indices,
     };
@@ -131,7 +131,7 @@ fn spread(bits: u64) -> u64 {
 }
 
 /// Sorted keys, and the indices of their boxes.
-struct Part<'p> {
+struct KeyRange<'p> {
     keys: &'p [u64],
     indices: &'p mut [u32],
 }
@@ -147,7 +147,7 @@ struct Cutter<'b> {
 impl Cutter<'_> {
     /// Splits at the highest bit in which keys differ, until parts are small enough; returns the number of boxes in
     /// each.
-    fn cut(self, part: Part<'_>) -> Vec<u32> {
+    fn cut(self, part: KeyRange<'_>) -> Vec<u32> {
         if part.keys.len() < PARALLEL {
             let mut counts = Vec::new();
             self.cut_here(part, &mut counts);
@@ -164,7 +164,7 @@ impl Cutter<'_> {
     }
 
     /// As `cut`, on this thread alone.
-    fn cut_here(self, part: Part<'_>, counts: &mut Vec<u32>) {
+    fn cut_here(self, part: KeyRange<'_>, counts: &mut Vec<u32>) {
         if part.keys.len() <= self.limit {
             counts.push(part.keys.len() as u32);
             return;
@@ -178,7 +178,7 @@ impl Cutter<'_> {
     }
 
     /// A part's two halves, or the part itself if it lies in one cell of the grid: it then gets a grid of its own.
-    fn halves<'p>(self, part: Part<'p>) -> Result<[Part<'p>; 2], Part<'p>> {
+    fn halves<'p>(self, part: KeyRange<'p>) -> Result<[KeyRange<'p>; 2], KeyRange<'p>> {
         let (Some(first), Some(last)) = (part.keys.first(), part.keys.last()) else {
             return Err(part);
         };
@@ -191,6 +191,6 @@ impl Cutter<'_> {
             .keys
             .split_at(part.keys.partition_point(|&key| key < upper));
         let (a_indices, b_indices) = part.indices.split_at_mut(a.len());
-        Ok([(a, a_indices), (b, b_indices)].map(|(keys, indices)| Part { keys, indices }))
+        Ok([(a, a_indices), (b, b_indices)].map(|(keys, indices)| KeyRange { keys, indices }))
     }
 }

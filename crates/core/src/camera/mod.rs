@@ -30,7 +30,7 @@ pub(crate) use lens_patch::{LensPatch, PlaceScale};
 pub(crate) use lens_region::LensRegion;
 pub use orbit::Orbit;
 pub use panorama::Panorama;
-pub(crate) use panorama_rays::{PanoramaRays, Vectors};
+pub(crate) use panorama_rays::{EightDirections, PanoramaRays};
 pub use path::{CameraPath, Curve, Ease, Keyframe};
 pub use pixel_filter::PixelFilter;
 pub use placement::{Placement, PlacementError};

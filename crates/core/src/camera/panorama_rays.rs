@@ -20,7 +20,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const WIDE: f64 = 0.6;
 
 /// x, y and z of eight vectors, one vector a lane.
-pub(crate) type Vectors = [[f64; LANES]; 3];
+pub(crate) type EightDirections = [[f64; LANES]; 3];
 
 /// The rays of a panorama on a lattice, computed for eight neighbours of a row at a time.
 pub(crate) struct PanoramaRays {
@@ -220,7 +220,7 @@ impl PanoramaRays {
     /// World directions of eight rays of a row, starting at `column`, bitwise equal to those of
     /// [`Camera::ray`](super::Camera::ray). Lanes without a ray have an arbitrary value.
     #[inline(always)]
-    pub(crate) fn eight_in_world(&self, column: u32, row: u32) -> Vectors {
+    pub(crate) fn eight_in_world(&self, column: u32, row: u32) -> EightDirections {
         let mut directions = [[0.0; LANES]; 3];
         self.eight(column, row, &mut directions);
         let (sums, lengths) = self.turned(&directions);
@@ -252,7 +252,7 @@ impl PanoramaRays {
 
     /// Transforms eight vectors from camera to world coordinates; also returns their lengths.
     #[inline(always)]
-    fn turned(&self, [xs, ys, zs]: &Vectors) -> (Vectors, [f64; LANES]) {
+    fn turned(&self, [xs, ys, zs]: &EightDirections) -> (EightDirections, [f64; LANES]) {
         let [right, up, forward] = self.axes;
         let mut out = [[0.0; LANES]; 3];
         let mut lengths = [0.0; LANES];
@@ -270,7 +270,7 @@ impl PanoramaRays {
     /// Directions in camera coordinates of eight rays of a row, starting at `column`, bitwise equal to those of
     /// [`Panorama::direction`]. Returns a mask of the lanes that have a ray; the others have an arbitrary value.
     #[inline(always)]
-    fn eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+    fn eight(&self, column: u32, row: u32, out: &mut EightDirections) -> u32 {
         let (a, b) = self.places(column, row);
         match self.panorama {
             Panorama::Equirectangular | Panorama::Cylindrical => self.around(column, row, out),
@@ -306,7 +306,7 @@ impl PanoramaRays {
     /// As [`PanoramaRays::eight`] up to rounding, and faster: the error of each coordinate is below 320ε times the
     /// direction's length, ε = 2⁻⁵³.
     #[inline(always)]
-    pub(crate) fn nearly_eight(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+    pub(crate) fn nearly_eight(&self, column: u32, row: u32, out: &mut EightDirections) -> u32 {
         let (a, b) = self.places(column, row);
         let mut squared = [0.0; LANES];
         for lane in 0..LANES {
@@ -365,7 +365,7 @@ impl PanoramaRays {
 
     /// As [`PanoramaRays::eight`], for a picture that wraps around the up axis.
     #[inline(always)]
-    fn around(&self, column: u32, row: u32, out: &mut Vectors) -> u32 {
+    fn around(&self, column: u32, row: u32, out: &mut EightDirections) -> u32 {
         let (a, b) = self.places(column, row);
         let sin = SidePlaces::eight(&self.columns.sin, column as usize);
         let cos = SidePlaces::eight(&self.columns.cos, column as usize);
@@ -420,7 +420,12 @@ fn spans_of_faces(places: &SidePlaces, middles: [f64; 6]) -> Vec<(u32, u32)> {
 
 /// Directions of eight places on one face.
 #[inline(always)]
-fn on_face((x, y, [right, up, forward]): Face, a: &[f64; LANES], b: f64, out: &mut Vectors) -> u32 {
+fn on_face(
+    (x, y, [right, up, forward]): Face,
+    a: &[f64; LANES],
+    b: f64,
+    out: &mut EightDirections,
+) -> u32 {
     for axis in 0..3 {
         for lane in 0..LANES {
             out[axis][lane] = right[axis] * (a[lane] - x) + up[axis] * (b - y) + forward[axis];
@@ -476,7 +481,7 @@ const fn series(first: usize) -> [f64; TERMS] {
 /// sin 2x / 2x = (sin x / x) cos x has the sum of both errors plus ε: 6ε, then 22ε; it is multiplied by at most π.
 /// All are below 320ε.
 #[inline(always)]
-fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut Vectors) -> u32 {
+fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut EightDirections) -> u32 {
     let [mut share, mut cosine] = [[0.0; LANES]; 2];
     for k in (0..TERMS).rev() {
         for lane in 0..LANES {
@@ -570,7 +575,8 @@ mod tests {
                         assert_eq!(has >> lane & 1 != 0, expected.is_some());
                         assert_eq!(nearly_has >> lane & 1 != 0, expected.is_some());
                         let Some(expected) = expected else { continue };
-                        let at = |all: &Vectors| DVec3::from_array(all.map(|axis| axis[lane]));
+                        let at =
+                            |all: &EightDirections| DVec3::from_array(all.map(|axis| axis[lane]));
                         assert_eq!(at(&exact), expected, "{panorama:?} {a} {b}");
                         assert_eq!(at(&in_world), lattice.ray(column, row).direction);
                         let off = (at(&near) - expected).abs().max_element();

@@ -40,10 +40,11 @@
 //!
 //! Numbers that are zero or within 2^±200 keep products of four in double precision's range.
 
-use super::setup::{CornerLanes, LINEAR_ERROR, Linear, PacketSpace, REACH, Span, TriangleSetup};
+use super::setup::{FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, TriangleSetup};
 use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
+use crate::triangle::CornerLanes;
 use crate::triangle::exact::{cross_from, distance_of_eye};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
@@ -211,7 +212,7 @@ impl PacketSpace {
         }
         let [a, b, c] = corners;
         let ends = [[b, c], [c, a], [a, b]];
-        let span = Span::of(&out.boxes[l]);
+        let span = FunctionDomain::of(&out.boxes[l]);
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
         let mut greatest_error: f64 = 0.0;
         let mut is_sound = true;

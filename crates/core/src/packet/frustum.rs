@@ -59,10 +59,10 @@ pub(super) struct Viewpoint<'a> {
 }
 
 /// A normal, and a point of the plane relative to the eye.
-type Plane = (DVec3, DVec3);
+type FrustumPlane = (DVec3, DVec3);
 
 impl Planes {
-    fn new(from: Viewpoint<'_>, planes: [Plane; LANES]) -> Self {
+    fn new(from: Viewpoint<'_>, planes: [FrustumPlane; LANES]) -> Self {
         let reach = from.bounds.min.abs().max(from.bounds.max.abs()).as_dvec3();
         let mut all = Self {
             positive: [[0.0; LANES]; 3],
@@ -105,17 +105,17 @@ impl Planes {
 impl Viewpoint<'_> {
     /// The planes through the rays at a coordinate to the right: the one that bounds what lies right of it, and the
     /// one for what lies left of it.
-    fn beside(&self, across: f64) -> [Plane; 2] {
+    fn beside(&self, across: f64) -> [FrustumPlane; 2] {
         self.through(self.camera.right(), across)
     }
 
     /// The planes through the rays at a coordinate upwards: the one that bounds what lies above it, and the one for
     /// what lies below it.
-    fn above(&self, along: f64) -> [Plane; 2] {
+    fn above(&self, along: f64) -> [FrustumPlane; 2] {
         self.through(self.camera.up(), along)
     }
 
-    fn through(&self, axis_in_world: DVec3, place: f64) -> [Plane; 2] {
+    fn through(&self, axis_in_world: DVec3, place: f64) -> [FrustumPlane; 2] {
         let (normal, shift) = match self.camera.projection() {
             Projection::Perspective | Projection::Panoramic(_) => {
                 let normal = axis_in_world * self.camera.distance() - self.camera.forward() * place;

@@ -22,11 +22,11 @@ use super::lane_math::{Three, least, most};
 use super::params::{SIDE, SMALL_SIDE};
 use super::place_box::PlaceBox;
 use super::ray_bounds::Projector;
-use super::setup::CornerLanes;
 use super::setup::place_bounds::PlaceBounds;
 use super::small_triangles::{DEPTH_KEY_ERROR, MAX_AREA_ERROR};
 use crate::hit::Cull;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::triangle::CornerLanes;
 
 /// The greatest m' at which single precision serves: above it triangles are bounded in double precision. It is the m' of
 /// small triangles as [`ray_bounds`](super::ray_bounds) has it.

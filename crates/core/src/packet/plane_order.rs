@@ -48,7 +48,7 @@ type TurnedPlane = Option<Plane>;
 
 /// The edge functions of a triangle over a packet, each with the bound on its error; `None` where it is not sure which
 /// side of the triangle the packet sees.
-type Edges = Option<[(Linear, f64); 3]>;
+type BoundedEdges = Option<[(Linear, f64); 3]>;
 
 /// A triangle's plane as the rays of a packet cross it. For a perspective packet they go from the eye to the plane, as
 /// hits lie in front of the eye.
@@ -111,8 +111,8 @@ impl PlaneOrder {
     fn new(
         plane: &TurnedPlane,
         [first, second]: [[Vec3; 3]; 2],
-        in_double: &Edges,
-        componentwise: impl FnOnce() -> Edges,
+        in_double: &BoundedEdges,
+        componentwise: impl FnOnce() -> BoundedEdges,
         order_if_coplanar: impl FnOnce() -> Option<bool>,
     ) -> Self {
         let in_plane = || {
@@ -157,7 +157,7 @@ impl PlaneOrder {
     }
 
     /// The order by the distances of the second triangle's corners from the plane, each with its error.
-    fn by_distances(distances: [(f64, f64); 3], edges: &Edges) -> Self {
+    fn by_distances(distances: [(f64, f64); 3], edges: &BoundedEdges) -> Self {
         let are_all = |sign: f64| {
             let mut all = distances.iter();
             all.all(|(distance, error)| distance * sign > error + LEAST)
@@ -241,7 +241,7 @@ pub(super) struct PlaneOrders {
     /// By the low bits of the primitive index. Empty before the first use, since most pictures need none.
     planes: Vec<Cached<u32, TurnedPlane>>,
     /// Of the triangle that was last ordered with others.
-    edges: Cached<u32, Edges>,
+    edges: Cached<u32, BoundedEdges>,
     /// By the low bits of a sum of both primitive indices.
     orders: Vec<Cached<[u32; 2], PlaneOrder>>,
 }

@@ -49,12 +49,13 @@ use super::depth_reference::DepthReference;
 use super::lane_math::{ROUNDER, Three, least, most, round};
 use super::params::{SIDE, SMALL_SIDE};
 use super::ray_box::RayBox;
-use super::setup::{CornerLanes, PacketSpace};
+use super::setup::PacketSpace;
 use super::slivers::{ProjectedCorners, SliverBounds};
 use super::small_triangles::{SmallCoverage, SmallEdges};
 use crate::hit::Cull;
 use crate::num::roundoff::U;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::triangle::CornerLanes;
 use glam::DVec3;
 
 /// By how much bounds grow beyond the errors of places: 2⁻⁹ columns. Rounding needs [`PLACE_ERROR`] of it; with less,

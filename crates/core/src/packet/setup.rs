@@ -56,6 +56,7 @@ use super::ray_box::RayBox;
 use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
+use crate::triangle::CornerLanes;
 use glam::Vec3;
 pub(crate) use space::PacketSpace;
 
@@ -79,10 +80,6 @@ pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 /// 1.2 % of its range, undecided. With a lesser limit that share grows; with a greater one more triangles are set up
 /// twice.
 const UNBALANCED: f64 = 1.0 / (1 << 12) as f64;
-
-/// Corner coordinates of eight triangles in structure-of-arrays order: x, y and z of the first corner, of the
-/// second, of the third.
-pub(crate) type CornerLanes = [[f32; LANES]; 9];
 
 /// Eight triangles set up for a packet.
 ///
@@ -169,7 +166,7 @@ impl PacketSpace {
             // NaN fails this comparison and is ill-conditioned.
             let clear = plane.facing.abs() > 4.0 * plane.facing_error;
             let culled = (self.cull == Cull::Back) & clear & (plane.facing > 0.0);
-            let span = Span::of(&boxes[l]);
+            let span = FunctionDomain::of(&boxes[l]);
             out.column[l] = span.column;
             out.row[l] = span.row;
             out.boxes[l].right = if culled { -1 } else { boxes[l].right };
@@ -222,11 +219,11 @@ impl PacketSpace {
 
     /// The magnitudes that a triangle's error bounds are made of.
     #[inline(always)]
-    fn size_of(&self, triangle: &PacketTriangle) -> Size {
+    fn size_of(&self, triangle: &PacketTriangle) -> Magnitudes {
         let PacketTriangle { a, b, c, u, v, .. } = *triangle;
         let reach = max(max3(a[0], b[0], c[0]), max3(a[1], b[1], c[1]));
         let depth = max3(a[2], b[2], c[2]);
-        Size {
+        Magnitudes {
             reach,
             depth,
             // Differences of b and c are at most the sum of these.
@@ -238,8 +235,8 @@ impl PacketSpace {
 
     /// Which side of the triangle the packet sees, and the errors of its plane.
     #[inline(always)]
-    fn plane(&self, triangle: &PacketTriangle, size: &Size) -> Plane {
-        let Size {
+    fn plane(&self, triangle: &PacketTriangle, size: &Magnitudes) -> Facing {
+        let Magnitudes {
             reach,
             depth,
             wide,
@@ -252,13 +249,13 @@ impl PacketSpace {
                 + 12.0 * delta * reach * wide
         };
         if self.perspective {
-            Plane {
+            Facing {
                 facing: triangle.a_n,
                 facing_error: plane_error(reach),
                 numerator_error: self.ray_error * (n[0].abs() + n[1].abs()),
             }
         } else {
-            Plane {
+            Facing {
                 facing: n[2],
                 facing_error: 8.0 * (kh * delta + EPSILON * wide) * wide,
                 numerator_error: plane_error(reach + REACH),
@@ -268,7 +265,7 @@ impl PacketSpace {
 
     /// E, before rays' own errors.
     #[inline(always)]
-    fn edge_error(&self, size: &Size) -> f64 {
+    fn edge_error(&self, size: &Magnitudes) -> f64 {
         let weight = if self.perspective { size.depth } else { 1.0 };
         (size.reach + REACH * weight)
             * (4.0 * self.stretch_and_reach * size.delta + 32.0 * EPSILON * size.reach)
@@ -291,9 +288,9 @@ impl PacketSpace {
         [edge(b, c), edge(c, a), edge(a, b)]
     }
 
-    /// The depth key at the span's first ray, and its steps; `inverse` is the reciprocal of [`Plane::facing`].
+    /// The depth key at the span's first ray, and its steps; `inverse` is the reciprocal of [`Facing::facing`].
     #[inline(always)]
-    fn depth_key(&self, triangle: &PacketTriangle, span: &Span, inverse: f64) -> Linear {
+    fn depth_key(&self, triangle: &PacketTriangle, span: &FunctionDomain, inverse: f64) -> Linear {
         let [nx, ny, nz] = triangle.n;
         let constant = if self.perspective {
             nz + nx * span.i + ny * span.j
@@ -351,7 +348,7 @@ impl PacketTriangle {
 
 /// A, Z, L, M and δ of a triangle.
 #[derive(Clone, Copy)]
-struct Size {
+struct Magnitudes {
     reach: f64,
     depth: f64,
     wide: f64,
@@ -361,7 +358,7 @@ struct Size {
 
 /// A triangle's plane as a packet sees it.
 #[derive(Clone, Copy)]
-struct Plane {
+struct Facing {
     /// The depth key's denominator, P₀·n or n₃: negative where the triangle's front faces the eye.
     facing: f64,
     facing_error: f64,
@@ -371,7 +368,7 @@ struct Plane {
 
 /// Where a triangle's functions start, and how far they are evaluated from there.
 #[derive(Clone, Copy)]
-pub(super) struct Span {
+pub(super) struct FunctionDomain {
     column: i32,
     row: i32,
     i: f64,
@@ -380,7 +377,7 @@ pub(super) struct Span {
     pub(super) along: f64,
 }
 
-impl Span {
+impl FunctionDomain {
     /// Functions start at the left of the bounds; for wide bounds at a multiple of a row.
     #[inline(always)]
     pub(super) fn of(bounds: &RayBox) -> Self {
@@ -420,7 +417,7 @@ pub(super) struct Linear {
 impl Linear {
     /// The same function relative to a span's first ray.
     #[inline(always)]
-    pub(super) fn moved(self, span: &Span) -> Self {
+    pub(super) fn moved(self, span: &FunctionDomain) -> Self {
         Self {
             constant: self.constant + self.x * span.i + self.y * span.j,
             ..self
@@ -448,7 +445,7 @@ impl Linear {
 
     /// The sum of the terms' greatest magnitudes over a span.
     #[inline(always)]
-    pub(super) fn size(self, span: &Span) -> f64 {
+    pub(super) fn size(self, span: &FunctionDomain) -> f64 {
         self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
     }
 

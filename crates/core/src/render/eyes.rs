@@ -16,7 +16,7 @@ pub(super) struct Eyes([(View, Rect); 2]);
 
 /// The part of a tile in one eye's half.
 #[derive(Clone, Copy)]
-struct Part {
+struct EyePart {
     eye: usize,
     rect: Rect,
 }
@@ -50,7 +50,7 @@ impl Eyes {
     }
 
     /// The non-empty parts of a rectangle in the two halves.
-    fn parts_of(&self, rect: Rect) -> impl Iterator<Item = Part> + '_ {
+    fn parts_of(&self, rect: Rect) -> impl Iterator<Item = EyePart> + '_ {
         let parts = self.0.iter().enumerate().map(move |(eye, (_, half))| {
             let (x, y) = (rect.x.max(half.x), rect.y.max(half.y));
             let rect = Rect {
@@ -59,22 +59,22 @@ impl Eyes {
                 width: rect.right().min(half.right()).saturating_sub(x),
                 height: rect.bottom().min(half.bottom()).saturating_sub(y),
             };
-            Part { eye, rect }
+            EyePart { eye, rect }
         });
         parts.filter(|part| part.rect.area() > 0)
     }
 
-    fn parts_of_all<'r>(&self, tiles: impl Iterator<Item = &'r Rect>) -> Vec<Part> {
+    fn parts_of_all<'r>(&self, tiles: impl Iterator<Item = &'r Rect>) -> Vec<EyePart> {
         tiles.flat_map(|&tile| self.parts_of(tile)).collect()
     }
 
-    fn sub_camera(&self, part: Part) -> SubCamera {
+    fn sub_camera(&self, part: EyePart) -> SubCamera {
         self.0[part.eye].0.camera.sub_camera(part.rect)
     }
 
     fn finish(
         &self,
-        part: Part,
+        part: EyePart,
         pattern: &SamplePattern,
         clock: Clock<'_>,
         buffers: &mut [Buffers<'_>; 2],
@@ -176,7 +176,7 @@ impl Eyes {
         sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
         let order = center_first(tiles, whole.camera.plane());
-        let job = |part: Part| (part.eye, Mutex::new(Job::new(self.sub_camera(part))));
+        let job = |part: EyePart| (part.eye, Mutex::new(Job::new(self.sub_camera(part))));
         let jobs: Vec<_> = self
             .parts_of_all(order.iter())
             .into_iter()

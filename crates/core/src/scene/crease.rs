@@ -40,7 +40,7 @@ pub(super) fn creased(
     let parts: Vec<_> = places
         .par_iter()
         .map(|&first| {
-            let mut part = Part::default();
+            let mut part = RangeNormals::default();
             let mut star = Star::default();
             for place in first..(first + CHUNK).min(positions.len()) {
                 let corners = &corners[starts[place]..starts[place + 1]];
@@ -75,7 +75,7 @@ struct Corner {
 
 /// The normals at a range of vertices, and for each corner there the index of its normal.
 #[derive(Debug, Default)]
-struct Part {
+struct RangeNormals {
     normals: Vec<Vec3>,
     normal_of_corner: Vec<u32>,
 }
@@ -129,7 +129,7 @@ impl Fans<'_> {
     }
 
     /// Appends the normals at one vertex.
-    fn smooth(&self, corners: &[Corner], star: &mut Star, part: &mut Part) {
+    fn smooth(&self, corners: &[Corner], star: &mut Star, part: &mut RangeNormals) {
         star.facets.clear();
         star.edges.clear();
         for (&Corner { triangle, side }, number) in corners.iter().zip(0..) {

@@ -1,7 +1,7 @@
 //! Colours of distances.
 
 use super::own_color::distance_range;
-use super::ramp::{Ramp, Span};
+use super::ramp::{Ramp, RampRange};
 use super::srgb::Tables;
 use crate::camera::Camera;
 use crate::num::simd::{F32x8, Lanes, Mask8};
@@ -15,7 +15,7 @@ pub(super) enum DepthColors {
     /// length.
     Greys { near: f32, per_unit: f32 },
     /// Through a colour map.
-    Map(Box<Ramp>, Span),
+    Map(Box<Ramp>, RampRange),
 }
 
 impl DepthColors {
@@ -34,7 +34,7 @@ impl DepthColors {
         match scale {
             Some(scale) => Self::Map(
                 Box::new(Ramp::new(scale.map)),
-                Span::of(scale.range.or(range)),
+                RampRange::of(scale.range.or(range)),
             ),
             None => match range {
                 None => Self::NONE,

@@ -27,14 +27,14 @@ struct ObjectEdges<'a> {
 
 /// The viewpoint that decides silhouettes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Viewpoint {
+pub(super) enum SilhouetteView {
     /// An eye, in world space.
     Eye(DVec3),
     /// The common direction of parallel rays.
     Along(DVec3),
 }
 
-impl Viewpoint {
+impl SilhouetteView {
     pub(super) fn of(camera: &Camera) -> Self {
         if camera.projection().is_parallel() {
             Self::Along(camera.forward())
@@ -122,7 +122,12 @@ impl<'a> EdgeChoice<'a> {
 
     /// Which edges of an object's triangle are silhouettes, if silhouettes have lines: both triangles at such an edge
     /// lie on the same side of the plane through it and the viewpoint.
-    pub(super) fn silhouettes(&self, number: u32, triangle: u32, from: Viewpoint) -> [bool; 3] {
+    pub(super) fn silhouettes(
+        &self,
+        number: u32,
+        triangle: u32,
+        from: SilhouetteView,
+    ) -> [bool; 3] {
         let object = self.objects.get(number as usize);
         let Some(object) = object.filter(|_| self.kinds.silhouette) else {
             return [false; 3];

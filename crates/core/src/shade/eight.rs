@@ -3,7 +3,7 @@
 //! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
 //! are the same to the bit.
 
-use super::eight_colors::{Eight, EightColors, Target, TargetRow};
+use super::eight_colors::{EightColors, EightSamples, Target, TargetRow};
 use super::facet::Facet;
 use super::hit_rows::{EightHits, EightNumbers, HitRows};
 use super::reflection::Surfaces;
@@ -83,7 +83,7 @@ impl TileShader<'_> {
         rays: &TileRays,
         place: (u32, u32),
         hits: &EightHits<'_>,
-    ) -> Eight<L> {
+    ) -> EightSamples<L> {
         let shader = self.shader();
         let mut numbers = EightNumbers::ZERO;
         let interpolated;
@@ -130,23 +130,23 @@ impl TileShader<'_> {
                     return self.shade_eight_in_turn(lanes, rays, place, hits);
                 };
                 let half = Vectors::splat(lanes, Vec3::splat(0.5));
-                return Eight::Display(normal.times(half).plus(half));
+                return EightSamples::Display(normal.times(half).plus(half));
             }
             EightColors::Depth => {
                 let grey = shader.eight_greys(lanes, lanes.load(hits.t));
-                return Eight::Display(Vectors::all(lanes, grey));
+                return EightSamples::Display(Vectors::all(lanes, grey));
             }
             EightColors::Barycentric => {
                 let w = lanes.splat(1.0) - u - v;
-                return Eight::Display(Vectors::new(lanes, [w, u, v]));
+                return EightSamples::Display(Vectors::new(lanes, [w, u, v]));
             }
             EightColors::Uv => {
                 let uv = self.uvs(lanes, hits.primitives, (u, v));
                 let [x, y] = uv.map(|coordinate| coordinate - coordinate.floor());
-                return Eight::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]));
+                return EightSamples::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]));
             }
         };
-        Eight::Light(light)
+        EightSamples::Light(light)
     }
 
     /// [`TileShader::shade_eight`], one by one.
@@ -157,13 +157,13 @@ impl TileShader<'_> {
         rays: &TileRays,
         place: (u32, u32),
         hits: &EightHits<'_>,
-    ) -> Eight<L> {
+    ) -> EightSamples<L> {
         let shader = self.shader();
         let colors = self.one_by_one(rays, place, hits, |facet, (x, y), hit| {
             let [r, g, b, _] = shader.inside(facet, x, y, hit);
             Vec3::new(r, g, b)
         });
-        Eight::Light(Vectors::load(lanes, &colors))
+        EightSamples::Light(Vectors::load(lanes, &colors))
     }
 
     /// A colour for each of eight hits, from its triangle and its place in the picture; zero for misses.
@@ -429,21 +429,25 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     continue;
                 }
                 let mut eight = if is_empty {
-                    Eight::Light(Vectors::splat(lanes, Vec3::ZERO))
+                    EightSamples::Light(Vectors::splat(lanes, Vec3::ZERO))
                 } else {
                     tile.shade_eight(lanes, colors, &rays, place, &hits)
                 };
                 if let Some(lines) = lines {
                     let under = match eight {
-                        Eight::Light(light) => light,
-                        Eight::Display(values) => shader.tables.displayed(lanes, values),
+                        EightSamples::Light(light) => light,
+                        EightSamples::Display(values) => shader.tables.displayed(lanes, values),
                     };
-                    eight = Eight::Light(lines.over(lanes, under));
+                    eight = EightSamples::Light(lines.over(lanes, under));
                 }
                 if let Some(pixels) = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut) {
                     match eight {
-                        Eight::Light(light) => shader.tables.encode_row(lanes, light, pixels),
-                        Eight::Display(values) => shader.tables.display_row(lanes, values, pixels),
+                        EightSamples::Light(light) => {
+                            shader.tables.encode_row(lanes, light, pixels)
+                        }
+                        EightSamples::Display(values) => {
+                            shader.tables.display_row(lanes, values, pixels)
+                        }
                     }
                     if shader.needs().ground {
                         tile.show_ground(&rays, place, &hits, pixels);
@@ -452,8 +456,8 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     continue;
                 }
                 let opaque = match eight {
-                    Eight::Light(light) => light,
-                    Eight::Display(values) => shader.tables.displayed(lanes, values),
+                    EightSamples::Light(light) => light,
+                    EightSamples::Display(values) => shader.tables.displayed(lanes, values),
                 };
                 let Rows([r, g, b]) = opaque.store();
                 for (lane, light) in light[at].iter_mut().enumerate() {

@@ -57,7 +57,7 @@ impl RowColors {
 }
 
 /// Opaque colours of eight samples.
-pub(super) enum Eight<L: Lanes> {
+pub(super) enum EightSamples<L: Lanes> {
     /// Linear light.
     Light(Vectors<L>),
     /// Numbers to be shown, 0 to 1 in sRGB.

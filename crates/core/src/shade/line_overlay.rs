@@ -1,6 +1,6 @@
 //! Lines where no triangle that a pixel shows has them: hidden ones, and silhouettes, which lie outside.
 
-use super::edge_choice::{EdgeChoice, Viewpoint};
+use super::edge_choice::{EdgeChoice, SilhouetteView};
 use super::edges::{EdgeLines, LineStyle, covered};
 use crate::bvh::Accel;
 use crate::camera::Camera;
@@ -74,7 +74,7 @@ impl LineOverlay {
         if !asks || camera.projection().panorama().is_some() {
             return None;
         }
-        let projector = Projector::new(&camera, wanted.width);
+        let projector = LineProjector::new(&camera, wanted.width);
         let primitives: Vec<u32> = accel.primitives().collect();
         let of = |&primitive: &u32| edges(accel, primitive, &projector, wanted);
         let segments: Vec<Segment> = primitives.par_iter().flat_map_iter(of).collect();
@@ -202,7 +202,7 @@ fn cells(
 fn edges<'a>(
     accel: &Accel,
     primitive: u32,
-    projector: &'a Projector<'a>,
+    projector: &'a LineProjector<'a>,
     wanted: Wanted<'a>,
 ) -> impl Iterator<Item = Segment> + use<'a> {
     let (object, triangle) = accel.identify(primitive);
@@ -213,7 +213,7 @@ fn edges<'a>(
     let (styles, silhouettes) = match wanted.choice {
         None => ([Some(LineStyle::Plain); 3], [false; 3]),
         Some(choice) => {
-            let viewpoint = Viewpoint::of(projector.camera);
+            let viewpoint = SilhouetteView::of(projector.camera);
             (
                 choice.styles(object, triangle),
                 choice.silhouettes(object, triangle, viewpoint),
@@ -262,10 +262,10 @@ fn kept([a, b]: [DVec3; 2], clip: &ClippingPlanes) -> Option<[DVec3; 2]> {
 }
 
 /// A point (x, y, w) whose place in the picture is (x / w, y / w), and its depth.
-type Point = [f64; 4];
+type ProjectedPoint = [f64; 4];
 
 /// Takes points to a picture that is a plane.
-struct Projector<'a> {
+struct LineProjector<'a> {
     camera: &'a Camera,
     /// How far to the right and up the picture's corner lies from the view axis, on the plane through the target.
     corner: [f64; 2],
@@ -275,7 +275,7 @@ struct Projector<'a> {
     margin: f64,
 }
 
-impl<'a> Projector<'a> {
+impl<'a> LineProjector<'a> {
     fn new(camera: &'a Camera, width: f64) -> Self {
         let corner = camera.on_plane(0.0, 0.0);
         let plane = camera.plane();
@@ -288,7 +288,7 @@ impl<'a> Projector<'a> {
     }
 
     /// A point relative to the eye.
-    fn point(&self, point: DVec3) -> Point {
+    fn point(&self, point: DVec3) -> ProjectedPoint {
         let camera = self.camera;
         let depth = point.dot(camera.forward());
         let (w, reach) = match camera.projection().is_parallel() {
@@ -303,9 +303,9 @@ impl<'a> Projector<'a> {
 
     /// The part of a segment that lies in the picture: between the four planes through the eye and the picture's
     /// sides, which no point behind the eye is between.
-    fn within(&self, [a, b]: [Point; 2]) -> Option<[Point; 2]> {
+    fn within(&self, [a, b]: [ProjectedPoint; 2]) -> Option<[ProjectedPoint; 2]> {
         let ([width, height], margin) = (self.size, self.margin);
-        let inside = |[x, y, w, _]: Point| {
+        let inside = |[x, y, w, _]: ProjectedPoint| {
             [
                 x + margin * w,
                 y + margin * w,
@@ -315,7 +315,7 @@ impl<'a> Projector<'a> {
         };
         let shares = shares_within(&inside(a), &inside(b))?;
         let ends = shares.map(|share| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share));
-        let is_seen = |[x, y, w, _]: &Point| {
+        let is_seen = |[x, y, w, _]: &ProjectedPoint| {
             *w > 0.0 && (x / w).is_finite() && (y / w).is_finite() && (1.0 / w).is_finite()
         };
         ends.iter().all(is_seen).then_some(ends)
@@ -360,7 +360,7 @@ mod tests {
         let mut some = [0; 2];
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let camera = camera(projection);
-            let projector = Projector::new(&camera, 1.0);
+            let projector = LineProjector::new(&camera, 1.0);
             for _ in 0..2000 {
                 let mut point = || {
                     let mut coordinate = || (random.unit() - 0.5) * 12.0;

@@ -31,11 +31,13 @@ pub(super) fn level<'t>(texture: &'t Texture, levels: &'t [Texture], number: usi
 /// linear light with premultiplied alpha, and rounded to 8-bit sRGB: by at most half a step a level.
 fn halved(texture: &Texture, (width, height): (u32, u32)) -> Option<Texture> {
     let (columns, rows) = (texture.width(), texture.height());
-    let across: Vec<Span> = (0..width).map(|x| Span::new(x, width, columns)).collect();
+    let across: Vec<TexelRange> = (0..width)
+        .map(|x| TexelRange::new(x, width, columns))
+        .collect();
     let tables = srgb::tables();
     let mut texels = Vec::with_capacity(width as usize * height as usize);
     for y in 0..height {
-        let down = Span::new(y, height, rows);
+        let down = TexelRange::new(y, height, rows);
         for across in &across {
             let mut sum = [0.0f32; 4];
             for (row, high) in down.parts() {
@@ -54,14 +56,14 @@ fn halved(texture: &Texture, (width, height): (u32, u32)) -> Option<Texture> {
 }
 
 /// The range of texels along a side that one texel of the next level covers.
-struct Span {
+struct TexelRange {
     first: u32,
     count: u32,
     from: f64,
     to: f64,
 }
 
-impl Span {
+impl TexelRange {
     fn new(index: u32, smaller: u32, size: u32) -> Self {
         let scale = f64::from(size) / f64::from(smaller);
         let (from, to) = (f64::from(index) * scale, f64::from(index + 1) * scale);

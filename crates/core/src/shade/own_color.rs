@@ -1,7 +1,7 @@
 //! The colours of objects by their rules, before lighting and textures.
 
 use super::facet::{Varied, blend, unit};
-use super::ramp::{Ramp, Span};
+use super::ramp::{Ramp, RampRange};
 use super::{Mode, Shading, srgb};
 use crate::camera::{Camera, Projection};
 use crate::hit::Hit;
@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 #[derive(Debug)]
 pub(super) struct OwnColors {
     /// For each object whose rule shows numbers, the span of the colours.
-    spans: Vec<Option<Span>>,
+    spans: Vec<Option<RampRange>>,
     ramp: Option<Box<Ramp>>,
     /// In unlit pictures a file without materials would be one flat patch, so each triangle gets a colour of its own.
     colorless_differ: bool,
@@ -53,7 +53,7 @@ pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -
         }
         let fitted = || fitted_range(scene, camera, quantity);
         spans.resize(index, None);
-        spans.push(Some(Span::of(scale.range.or_else(fitted))));
+        spans.push(Some(RampRange::of(scale.range.or_else(fitted))));
     }
     let colors = OwnColors {
         ramp: (!spans.is_empty()).then(|| Box::new(Ramp::new(scale.map))),
@@ -92,7 +92,7 @@ impl OwnColors {
         let values = rules().any(|rule| matches!(rule, ColorRule::Value(_)));
         let scale = shading.scale.unwrap_or_default();
         // Of a thousand objects most show the same quantity.
-        let mut known: Vec<(&Quantity, Span)> = Vec::new();
+        let mut known: Vec<(&Quantity, RampRange)> = Vec::new();
         let mut span = |rule: &'s ColorRule| {
             let ColorRule::Value(quantity) = rule else {
                 return None;
@@ -101,7 +101,7 @@ impl OwnColors {
                 return Some(*span);
             }
             let fitted = || fitted_range(scene, camera, quantity);
-            let span = Span::of(scale.range.or_else(fitted));
+            let span = RampRange::of(scale.range.or_else(fitted));
             known.push((quantity, span));
             Some(span)
         };
@@ -177,7 +177,7 @@ impl OwnColors {
         }
     }
 
-    fn span(&self, number: u32) -> Option<Span> {
+    fn span(&self, number: u32) -> Option<RampRange> {
         self.spans.get(number as usize).copied().flatten()
     }
 
@@ -225,7 +225,7 @@ impl OwnColors {
         } = place;
         match (from, camera.projection()) {
             (None, Projection::Orthographic) => {
-                let span = self.span(number).unwrap_or(Span::of(None));
+                let span = self.span(number).unwrap_or(RampRange::of(None));
                 let forward = camera.forward();
                 Varied::Shares(corners.map(|corner| span.share(corner.dot(forward))))
             }

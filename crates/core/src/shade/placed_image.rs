@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// A placed image, for points relative to a mesh's offset.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedImage {
-    surface: Surface,
+    surface: ImageSurface,
     center: DVec3,
     /// Right, up and front.
     axes: [DVec3; 3],
@@ -16,7 +16,7 @@ pub(super) struct PlacedImage {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Surface {
+enum ImageSurface {
     Plane,
     Sphere,
     Cylinder,
@@ -30,9 +30,9 @@ impl PlacedImage {
         offset: DVec3,
     ) -> Option<Self> {
         let surface = match projection {
-            TextureProjection::Plane => Surface::Plane,
-            TextureProjection::Sphere => Surface::Sphere,
-            TextureProjection::Cylinder => Surface::Cylinder,
+            TextureProjection::Plane => ImageSurface::Plane,
+            TextureProjection::Sphere => ImageSurface::Sphere,
+            TextureProjection::Cylinder => ImageSurface::Cylinder,
             TextureProjection::Uv
             | TextureProjection::Triplanar
             | TextureProjection::PerTriangle
@@ -48,7 +48,7 @@ impl PlacedImage {
 
     /// Whether u goes around an axis.
     pub(super) fn goes_round(&self) -> bool {
-        !matches!(self.surface, Surface::Plane)
+        !matches!(self.surface, ImageSurface::Plane)
     }
 
     /// The texture coordinates of a point of the mesh. With x, y and z its distances from the centre to the
@@ -63,12 +63,12 @@ impl PlacedImage {
         let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let turn = || 0.5 + math::atan2(x, z) / TAU;
         match self.surface {
-            Surface::Plane => DVec2::new(x, y) / self.size + 0.5,
-            Surface::Sphere => {
+            ImageSurface::Plane => DVec2::new(x, y) / self.size + 0.5,
+            ImageSurface::Sphere => {
                 let across = (x * x + z * z).sqrt();
                 DVec2::new(turn(), 0.5 + math::atan2(y, across) / PI)
             }
-            Surface::Cylinder => DVec2::new(turn(), 0.5 + y / self.size.y),
+            ImageSurface::Cylinder => DVec2::new(turn(), 0.5 + y / self.size.y),
         }
     }
 }
@@ -81,14 +81,14 @@ impl PlacedImage {
         let squared = x * x + z * z;
         let turn = || (z * dx - x * dz) / (squared * TAU);
         match self.surface {
-            Surface::Plane => DVec2::new(dx, dy) / self.size,
-            Surface::Sphere => {
+            ImageSurface::Plane => DVec2::new(dx, dy) / self.size,
+            ImageSurface::Sphere => {
                 let across = squared.sqrt();
                 let outwards = (x * dx + z * dz) / across;
                 let rise = (across * dy - y * outwards) / ((squared + y * y) * PI);
                 DVec2::new(turn(), rise)
             }
-            Surface::Cylinder => DVec2::new(turn(), dy / self.size.y),
+            ImageSurface::Cylinder => DVec2::new(turn(), dy / self.size.y),
         }
     }
 }

@@ -39,13 +39,13 @@ impl Ramp {
 
 /// The range of numbers that a ramp covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
+pub(super) struct RampRange {
     pub(super) low: f64,
     /// One over the range's length; zero for an empty range.
     pub(super) per_unit: f64,
 }
 
-impl Span {
+impl RampRange {
     /// For a range, low and high; `None` is an empty range at zero.
     pub(super) fn of(range: Option<[f64; 2]>) -> Self {
         let [low, high] = range.unwrap_or_default();
@@ -84,9 +84,9 @@ mod tests {
 
     #[test]
     fn spans_without_length_have_one_share() {
-        assert_eq!(Span::of(Some([2.0, 6.0])).share(3.0), 0.25);
+        assert_eq!(RampRange::of(Some([2.0, 6.0])).share(3.0), 0.25);
         for range in [None, Some([1.0, 1.0]), Some([0.0, 1e-320])] {
-            assert_eq!(Span::of(range).share(1.0), 0.0);
+            assert_eq!(RampRange::of(range).share(1.0), 0.0);
         }
     }
 }

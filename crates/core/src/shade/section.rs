@@ -44,12 +44,12 @@ pub(crate) struct Section<'a> {
     camera: Camera,
     sides: Sides,
     /// The planes through which rays enter the kept side: the same for all rays that get there.
-    planes: Vec<Plane>,
+    planes: Vec<SectionPlane>,
     /// The triangles as those planes alone keep them.
     entered: Clipped<'a>,
     masks: Option<Masks<'a>>,
     /// The planes through which rays leave the kept side.
-    exits: Vec<Plane>,
+    exits: Vec<SectionPlane>,
     /// For each object, whether its transform mirrors it.
     mirrored: Vec<bool>,
     /// The colour of the outline, then of each plane.
@@ -57,14 +57,14 @@ pub(crate) struct Section<'a> {
 }
 
 #[derive(Debug)]
-struct Plane {
+struct SectionPlane {
     /// The unit vector towards the kept side.
     normal: DVec3,
     /// The distance of the eye, or of the image plane's middle, in front of the plane, in scene units.
     depth: f64,
 }
 
-impl Plane {
+impl SectionPlane {
     /// How fast a ray approaches the kept side, per t, and the t at which it crosses the plane; its start is relative
     /// to the eye.
     fn crossing(&self, start: DVec3, direction: DVec3) -> (f64, f64) {
@@ -89,7 +89,7 @@ impl<'a> Section<'a> {
         let (base, to_eye) = (srgb::linear(SECTION), -camera.forward().as_vec3());
         let planes = clip.enabled().filter(|_| is_shown).map(|given| {
             let length = given.normal.length();
-            let plane = Plane {
+            let plane = SectionPlane {
                 normal: given.normal / length,
                 depth: (given.offset - given.normal.dot(eye)) / length,
             };
@@ -98,7 +98,7 @@ impl<'a> Section<'a> {
         // Without sections where numbers leave the range of double precision, rather than with wrong ones.
         let planes =
             planes.filter(|(plane, _)| plane.normal.is_finite() && plane.depth.is_finite());
-        let is_entered = |(plane, _): &(Plane, ClippingPlane)| match camera.projection() {
+        let is_entered = |(plane, _): &(SectionPlane, ClippingPlane)| match camera.projection() {
             Projection::Orthographic => plane.normal.dot(camera.forward()) > 0.0,
             _ => plane.depth > 0.0,
         };
@@ -177,7 +177,7 @@ impl<'a> Section<'a> {
         }
         let (start, direction) = self.ray(x, y);
         let (entry, _) = self.entry((start, direction))?;
-        let is_kept = |plane: &Plane| {
+        let is_kept = |plane: &SectionPlane| {
             let (along, exit) = plane.crossing(start, direction);
             match along < 0.0 {
                 true => entry < exit,

@@ -13,7 +13,7 @@ use super::light::Lights;
 use super::line_overlay::{LineOverlay, Wanted};
 use super::lines::Lines;
 use super::own_color::{OwnColors, distance_range};
-use super::ramp::Span;
+use super::ramp::RampRange;
 use super::section::Section;
 use super::sides::Sides;
 use super::smooth;
@@ -228,7 +228,7 @@ impl<'a> Shader<'a> {
         if let (DepthColors::Map(_, span), Some(scale)) = (&mut self.depth, &mut self.shading.scale)
         {
             let range = seen.map(f64::from);
-            *span = Span::of(Some(range));
+            *span = RampRange::of(Some(range));
             scale.range = Some(range);
         }
         self

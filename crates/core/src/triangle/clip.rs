@@ -34,7 +34,7 @@ const TINY: f64 = f64::MIN_POSITIVE;
 /// The clipping planes, prepared for triangles whose corners are relative to `origin`.
 #[derive(Clone, Debug)]
 pub(crate) struct Clip {
-    planes: Vec<Plane>,
+    planes: Vec<PreparedPlane>,
     origin: DVec3,
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct AtEye {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Plane {
+struct PreparedPlane {
     normal: DVec3,
     /// c.
     offset: f64,
@@ -97,7 +97,7 @@ impl Clip {
         Self {
             planes: planes
                 .enabled()
-                .map(|plane| Plane::new(plane, origin))
+                .map(|plane| PreparedPlane::new(plane, origin))
                 .collect(),
             origin,
         }
@@ -205,7 +205,7 @@ impl Clip {
         })
     }
 
-    fn at(&self, plane: &Plane, corner: Vec3) -> AtCorner {
+    fn at(&self, plane: &PreparedPlane, corner: Vec3) -> AtCorner {
         let (value, error) = plane.at(corner);
         let sign = if value > error {
             Ordering::Greater
@@ -221,12 +221,12 @@ impl Clip {
 
     /// The exact sign of n·(V + O) − c.
     #[inline(never)]
-    fn exact_sign(&self, plane: &Plane, corner: Vec3) -> Ordering {
+    fn exact_sign(&self, plane: &PreparedPlane, corner: Vec3) -> Ordering {
         Self::exact_sign_of_sum(plane, corner.as_dvec3(), self.origin)
     }
 
     /// The exact sign of n·(p + q) − c.
-    fn exact_sign_of_sum(plane: &Plane, p: DVec3, q: DVec3) -> Ordering {
+    fn exact_sign_of_sum(plane: &PreparedPlane, p: DVec3, q: DVec3) -> Ordering {
         let lengths = Scale::of_vectors([&p, &q]);
         let normals = Scale::of_vectors([&plane.normal]);
         let point = add(&lengths.vector(p), &lengths.vector(q));
@@ -245,7 +245,7 @@ impl Clip {
     /// d·(B×C), d·(C×A) and d·(A×B), with corners relative to the ray's origin. If the weights sum to zero there is
     /// no hit.
     #[inline(never)]
-    fn exact_sign_at_hit(&self, plane: &Plane, ray: &Ray, corners: [Vec3; 3]) -> Ordering {
+    fn exact_sign_at_hit(&self, plane: &PreparedPlane, ray: &Ray, corners: [Vec3; 3]) -> Ordering {
         let corners = corners.map(Vec3::as_dvec3);
         let lengths = Scale::of_vectors(corners.iter().chain([&self.origin, &ray.origin]));
         let directions = Scale::of_vectors([&ray.direction]);
@@ -274,7 +274,7 @@ impl Clip {
     }
 }
 
-impl Plane {
+impl PreparedPlane {
     fn new(plane: &ClippingPlane, origin: DVec3) -> Self {
         let ClippingPlane { normal, offset, .. } = *plane;
         let constant = normal.dot(origin) - offset;
@@ -452,7 +452,7 @@ mod tests {
             (1.5, Some(Ordering::Less)),
         ] {
             let plane = ClippingPlane::new(DVec3::X, offset).expect("a plane");
-            let plane = Plane::new(&plane, DVec3::ZERO);
+            let plane = PreparedPlane::new(&plane, DVec3::ZERO);
             assert_eq!(plane.sign_along(&ray, &hit), sign, "{offset}");
         }
     }

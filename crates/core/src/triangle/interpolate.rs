@@ -4,15 +4,13 @@
 //! Each lane computes what [`PreparedRay`](super::PreparedRay) computes for one ray, operation by operation, so the
 //! bits are the same.
 
+use super::corner_lanes::CornerLanes;
 use super::edges::{Edges, axes, greater, major_axis};
-use crate::camera::{Camera, Lattice, Projection, Vectors};
+use crate::camera::{Camera, EightDirections, Lattice, Projection};
 use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 
 pub(crate) use crate::num::simd::LANES;
-
-/// Corners of eight triangles in structure-of-arrays order.
-pub(crate) type Corners = [[f32; LANES]; 9];
 
 /// The hits of eight rays.
 pub(crate) struct RowHits {
@@ -105,7 +103,7 @@ pub(crate) fn interpolate_row(
     camera: &Camera,
     tree_origin: DVec3,
     places: RowPlaces,
-    corners: &Corners,
+    corners: &CornerLanes,
 ) -> RowHits {
     let (x, y) = places.get(0);
     let DVec3 { x, y, z } = camera.direction(x, y);
@@ -133,8 +131,8 @@ pub(crate) fn interpolate_row(
 pub(crate) fn interpolate_around(
     camera: &Camera,
     tree_origin: DVec3,
-    (directions, lane): (&Vectors, usize),
-    corners: &Corners,
+    (directions, lane): (&EightDirections, usize),
+    corners: &CornerLanes,
 ) -> RowHits {
     let [x, y, z] = directions.map(|all| all[lane % LANES]);
     let rays = (RowPlaces::NONE, directions);
@@ -159,8 +157,8 @@ const AROUND: u8 = 2;
 fn interpolate<const MAJOR: usize, const RAYS: u8>(
     camera: &Camera,
     tree_origin: DVec3,
-    (places, directions): (RowPlaces, &Vectors),
-    corners: &Corners,
+    (places, directions): (RowPlaces, &EightDirections),
+    corners: &CornerLanes,
 ) -> RowHits {
     let [kx, ky, kz] = const { axes(MAJOR) };
     let [right, up, forward] =

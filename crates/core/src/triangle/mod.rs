@@ -4,6 +4,7 @@ mod bounded_hit;
 pub(crate) mod clip;
 mod componentwise;
 pub(crate) mod coplanar;
+mod corner_lanes;
 pub(crate) mod edge_on;
 mod edges;
 pub(crate) mod exact;
@@ -15,4 +16,5 @@ pub(crate) mod row_tests;
 mod watertight;
 
 pub(crate) use bounded_hit::BoundedHit;
+pub(crate) use corner_lanes::CornerLanes;
 pub(crate) use watertight::PreparedRay;

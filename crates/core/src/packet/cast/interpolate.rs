@@ -5,9 +5,10 @@ use crate::camera::{Lattice, PanoramaRays};
 use crate::hit::{Cull, HitNumbers, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
+use crate::triangle::CornerLanes;
 use crate::triangle::PreparedRay;
 use crate::triangle::interpolate::{
-    Corners, LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
+    LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
 
@@ -81,7 +82,7 @@ struct InterpolateLattice<'a, const INSTANCES: bool> {
 }
 
 /// Eight rays of a row: the triangles that they hit, and t, u and v there.
-struct Eight<'h> {
+struct EightHits<'h> {
     primitives: &'h mut [u32; LANES],
     t: &'h mut [f32; LANES],
     u: &'h mut [f32; LANES],
@@ -126,7 +127,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             let (v, v_rest) = v.as_chunks_mut();
             let mut column = 0;
             for ((primitives, t), (u, v)) in primitives.iter_mut().zip(t).zip(u.iter_mut().zip(v)) {
-                let eight = Eight {
+                let eight = EightHits {
                     primitives,
                     t,
                     u,
@@ -139,7 +140,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
                 let mut primitives = [MISS; LANES];
                 let [mut t, mut u, mut v] = [[0.0; LANES]; 3];
                 primitives[..rest.len()].copy_from_slice(rest);
-                let eight = Eight {
+                let eight = EightHits {
                     primitives: &mut primitives,
                     t: &mut t,
                     u: &mut u,
@@ -185,9 +186,9 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
         column: u32,
         row: u32,
         pencil_row: Option<&PencilRow>,
-        eight: Eight<'_>,
+        eight: EightHits<'_>,
     ) {
-        let Eight {
+        let EightHits {
             primitives,
             t,
             u,
@@ -341,7 +342,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     /// Corners of the triangles that eight rays hit. Each triangle is written to all lanes from its first on, and the
     /// next one overwrites the rest.
     #[inline(always)]
-    fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> Corners {
+    fn corners<L: Lanes>(&self, lanes: L, primitives: &[u32; LANES]) -> CornerLanes {
         let mut all = [lanes.splat(0.0); 9];
         let mut lane = 0;
         while lane < LANES {

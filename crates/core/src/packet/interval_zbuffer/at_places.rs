@@ -21,7 +21,8 @@ use crate::packet::placed_triangles::SmallTriangle;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
 use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
-use crate::packet::setup::{CornerLanes, PacketSpace};
+use crate::packet::setup::PacketSpace;
+use crate::triangle::CornerLanes;
 
 /// The box of all rays: functions are set up relative to the packet's first place.
 const WHOLE: RayBox = RayBox {

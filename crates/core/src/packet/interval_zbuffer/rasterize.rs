@@ -12,7 +12,8 @@ use crate::packet::decisions::Decisions;
 use crate::packet::params::{CELLS, ROW, SIDE};
 use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
-use crate::packet::setup::{CornerLanes, PacketSpace, TriangleSetup};
+use crate::packet::setup::{PacketSpace, TriangleSetup};
+use crate::triangle::CornerLanes;
 
 /// The distance from a cell's first ray to its centre.
 const HALF: f32 = (ROW as f32 - 1.0) * 0.5;

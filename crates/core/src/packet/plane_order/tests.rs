@@ -241,7 +241,7 @@ fn places_in_single_precision_do_not_decide_across_a_crossing() {
     assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
 }
 
-fn off_by(edges: [Linear; 3], error: f64) -> Edges {
+fn off_by(edges: [Linear; 3], error: f64) -> BoundedEdges {
     Some(edges.map(|edge| (edge, error)))
 }
 

@@ -13,9 +13,10 @@
     reason = "a lane is an index into all the arrays at once"
 )]
 
-use super::{CornerLanes, LANES, PacketSpace, max, max3};
+use super::{LANES, PacketSpace, max, max3};
 use crate::num::simd::F32x8;
 use crate::packet::place_box::PlaceBox;
+use crate::triangle::CornerLanes;
 
 /// The least ratio of a corner's depth to its error at which its place is used. With a lesser one the factor 1.001 of
 /// the bound grows; with a greater one more triangles close to the eye are set up for every ray.

@@ -1,11 +1,12 @@
 //! The rays of a packet, and the map T from world space to packet space. [`setup`](super) derives the bounds on its
 //! errors.
 
-use super::{CornerLanes, EPSILON, REACH};
+use super::{EPSILON, REACH};
 use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
 use crate::num::simd::LANES;
 use crate::packet::depth_reference::DepthReference;
+use crate::triangle::CornerLanes;
 use glam::{DVec3, Vec3};
 
 /// The map of triangles into a packet's space, with the magnitudes of its error bounds.

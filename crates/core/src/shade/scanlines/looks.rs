@@ -2,21 +2,21 @@
 
 use super::Scanline;
 use crate::num::simd::{F32x8, Lanes};
-use crate::shade::eight_colors::Eight;
+use crate::shade::eight_colors::EightSamples;
 use crate::shade::vectors::Vectors;
 use glam::Vec3;
 
 /// What a mode makes of eight samples' numbers.
 pub(super) trait Look {
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L>;
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L>;
 }
 
 pub(super) struct OwnColors;
 
 impl Look for OwnColors {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        Eight::Light(row.vectors(lanes, 3, at))
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
+        EightSamples::Light(row.vectors(lanes, 3, at))
     }
 }
 
@@ -24,8 +24,8 @@ pub(super) struct FlatLight;
 
 impl Look for FlatLight {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
-        Eight::Light(row.vectors(lanes, 3, at).times(row.vectors(lanes, 0, at)))
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
+        EightSamples::Light(row.vectors(lanes, 3, at).times(row.vectors(lanes, 0, at)))
     }
 }
 
@@ -33,7 +33,7 @@ pub(super) struct SmoothLight;
 
 impl Look for SmoothLight {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         let shader = row.tile.shader();
         let [x, y, z] = &row.columns.to_eye;
         let along = [
@@ -46,7 +46,7 @@ impl Look for SmoothLight {
         let to_eye = Vectors::new(lanes, along).plus(down);
         let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
         let light = shader.light(lanes, row.unit_normals(lanes, at), to_eye);
-        Eight::Light(row.vectors(lanes, 3, at).times(light))
+        EightSamples::Light(row.vectors(lanes, 3, at).times(light))
     }
 }
 
@@ -54,9 +54,9 @@ pub(super) struct NormalColors;
 
 impl Look for NormalColors {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         let half = Vectors::splat(lanes, Vec3::splat(0.5));
-        Eight::Display(row.unit_normals(lanes, at).times(half).plus(half))
+        EightSamples::Display(row.unit_normals(lanes, at).times(half).plus(half))
     }
 }
 
@@ -64,11 +64,11 @@ pub(super) struct Greys;
 
 impl Look for Greys {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         let numbers = [row.number(lanes, 0, at), row.number(lanes, 1, at)];
         let place = (row.columns.x.eight(at), row.y);
         let t = row.planar.eight_distances_of(lanes, place, numbers);
-        Eight::Display(Vectors::all(lanes, row.tile.shader().eight_greys(lanes, t)))
+        EightSamples::Display(Vectors::all(lanes, row.tile.shader().eight_greys(lanes, t)))
     }
 }
 
@@ -76,10 +76,10 @@ pub(super) struct Weights;
 
 impl Look for Weights {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         let [u, v] = row.weights(lanes, at);
         let w = lanes.splat(1.0) - u - v;
-        Eight::Display(Vectors::new(lanes, [w, u, v]))
+        EightSamples::Display(Vectors::new(lanes, [w, u, v]))
     }
 }
 
@@ -87,7 +87,7 @@ pub(super) struct TextureCoordinates;
 
 impl Look for TextureCoordinates {
     #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> Eight<L> {
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         let [u, v] = row.weights(lanes, at);
         let w = lanes.splat(1.0) - u - v;
         let [ax, bx, cx] = row.vectors(lanes, 3, at).xyz();
@@ -95,6 +95,6 @@ impl Look for TextureCoordinates {
         let x = ax * w + bx * u + cx * v;
         let y = ay * w + by * u + cy * v;
         let [x, y] = [x - x.floor(), y - y.floor()];
-        Eight::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]))
+        EightSamples::Display(Vectors::new(lanes, [x, y, lanes.splat(0.25)]))
     }
 }

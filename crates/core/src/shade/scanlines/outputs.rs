@@ -1,7 +1,7 @@
 //! Where a row's colours go: to a picture's pixels, or to samples in linear light.
 
 use crate::num::simd::{F32x8, LANES, Lanes};
-use crate::shade::eight_colors::Eight;
+use crate::shade::eight_colors::EightSamples;
 use crate::shade::numbers::Numbers;
 use crate::shade::spans::store_eight;
 use crate::shade::srgb;
@@ -10,7 +10,7 @@ use crate::shade::vectors::{Rows, Vectors};
 /// Where colours of a row go.
 pub(super) trait Out {
     /// Eight samples' colours, as far as the row reaches.
-    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>);
+    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: EightSamples<L>);
 
     /// What is left to do once all eights of these samples are there.
     fn finish<L: Lanes>(&mut self, lanes: L, samples: (usize, usize));
@@ -50,9 +50,9 @@ pub(super) struct Bytes<'r, 'p> {
 
 impl Out for Bytes<'_, '_> {
     #[inline(always)]
-    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>) {
+    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: EightSamples<L>) {
         match colors {
-            Eight::Light(light) => {
+            EightSamples::Light(light) => {
                 let light = srgb::within(lanes, light);
                 let unencoded = &mut *self.unencoded;
                 unencoded.is_used = true;
@@ -62,7 +62,7 @@ impl Out for Bytes<'_, '_> {
                     *buckets.eight_mut(at) = srgb::buckets(light);
                 }
             }
-            Eight::Display(values) => {
+            EightSamples::Display(values) => {
                 let mut bytes = [[0; 4]; LANES];
                 self.tables.display_row(lanes, values, &mut bytes);
                 store_eight(self.pixels, at, &bytes);
@@ -123,10 +123,10 @@ pub(super) struct Light<'p> {
 
 impl Out for Light<'_> {
     #[inline(always)]
-    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: Eight<L>) {
+    fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: EightSamples<L>) {
         let opaque = match colors {
-            Eight::Light(light) => light,
-            Eight::Display(values) => self.tables.displayed(lanes, values),
+            EightSamples::Light(light) => light,
+            EightSamples::Display(values) => self.tables.displayed(lanes, values),
         };
         let Rows([r, g, b]) = opaque.store();
         let mut all = [[1.0; 4]; LANES];
