@@ -36,8 +36,8 @@ const LEAST_TOLERANCE: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// R as a multiple of βρ, and the greatest q, one less one over that. With a greater multiple the bounds of derivatives are
 /// those of a greater disc; with a lesser one the disc contains fewer patches.
-const REACH: f64 = 1.5;
-const MOST_TURN: f64 = 1.0 - 1.0 / REACH;
+const REACH_FACTOR: f64 = 1.5;
+const MOST_TURN: f64 = 1.0 - 1.0 / REACH_FACTOR;
 
 /// Rows of places on both sides of the rectangle that interpolation needs, at most.
 const ROWS_BESIDE: f64 = 4.0;
@@ -330,7 +330,7 @@ impl Smooth {
     /// What holds for places within `radius` of the one whose direction is known; `None` where q is too great.
     fn within(lens: &BrownConrady, at: &Near, radius: f64) -> Option<Self> {
         let beta = at.beta * (1.0 + 1e-9);
-        let reach = REACH * beta * radius;
+        let reach = REACH_FACTOR * beta * radius;
         let bent = at.curvature(lens, reach);
         let turn = beta * bent * reach;
         let inverse = beta / (1.0 - turn);

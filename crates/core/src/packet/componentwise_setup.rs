@@ -49,7 +49,7 @@ use crate::triangle::exact::{cross_from, distance_of_eye};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
-const RANGE: f64 = f64::from_bits((1023 + 200) << 52);
+const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
 /// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed exactly:
 /// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed exactly that leave few
@@ -144,7 +144,7 @@ struct Factors {
 }
 
 impl Factors {
-    /// `None` where a number is out of [`RANGE`].
+    /// `None` where a number is out of [`NUMBER_RANGE`].
     #[inline(always)]
     fn new([a, b, c]: [DVec3; 3], origin: DVec3) -> Option<Self> {
         let (p, q, r) = (a - origin, b - origin, c - origin);
@@ -152,7 +152,8 @@ impl Factors {
         let mut in_range = true;
         for vector in [p, q, r, ab, bc, ca] {
             let size = vector.abs();
-            let within = size.cmpge(DVec3::splat(1.0 / RANGE)) & size.cmple(DVec3::splat(RANGE));
+            let within = size.cmpge(DVec3::splat(1.0 / NUMBER_RANGE))
+                & size.cmple(DVec3::splat(NUMBER_RANGE));
             in_range &= (within | size.cmpeq(DVec3::ZERO)).all();
         }
         // NaN counts as out of range.

@@ -34,7 +34,7 @@ const BEYOND: f32 = 1.0 + 1e-5;
 
 /// Boxes that begin closer to the eye are not skipped: a subnormal number is rounded by more than [`BEYOND`] allows. Any
 /// greater limit below the depths of scenes is as good.
-const LEAST: f32 = 1e-30;
+const LEAST_NEAR: f32 = 1e-30;
 
 /// The depth key that others are relative to, zero where keys are absolute, and the unit of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +129,7 @@ impl DepthReference {
     pub(super) fn key_of_box(self, projection: Projection, near: f32) -> f32 {
         let key = match projection {
             Projection::Orthographic => near.abs() * (BEYOND - 1.0) - near,
-            _ if near > LEAST => self.beyond / near,
+            _ if near > LEAST_NEAR => self.beyond / near,
             _ => f32::INFINITY,
         };
         self.relative_above(key)
@@ -142,7 +142,7 @@ impl DepthReference {
         match projection {
             Projection::Orthographic => -hi_z + hi_z.abs() * (BEYOND - 1.0),
             // The depth key is the inverse depth.
-            _ if hi_z > 0.0 => (self.beyond / hi_z).max(LEAST),
+            _ if hi_z > 0.0 => (self.beyond / hi_z).max(LEAST_NEAR),
             _ => f32::INFINITY,
         }
     }

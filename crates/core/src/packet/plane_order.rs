@@ -15,7 +15,7 @@
 //! # Error bound
 //! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
 //! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
-//! extent of cells, are in single precision: F moves by its slope times [`PLACE_ERROR`].
+//! extent of cells, are in single precision: F moves by its slope times [`SINGLE_PLACE_ERROR`].
 //!
 //! Next to the eye, planes may be closer together than the errors of sₖ in double precision, although far apart compared
 //! with their distance from the eye; then the sₖ are computed in double-double arithmetic. And where coordinates differ by
@@ -27,12 +27,12 @@ use super::setup::{Linear, PacketSpace, REACH};
 use crate::hit::MISS;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
-use crate::triangle::plane::{LEAST, Plane};
+use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::Vec3;
 
 /// The error of places in single precision, 4u of the furthest: a place, a cell's centre and half of its extent are each
 /// rounded by u of at most [`REACH`], and one u is for higher orders.
-const PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
+const SINGLE_PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
 
 /// The error of an order, as a share of the greatest |F| in the packet, up to which it is not computed again more
 /// closely. F is linear, so that about this share of a packet's 2¹⁰ rays stays undecided: less than one ray. With a larger
@@ -134,7 +134,7 @@ impl PlaneOrder {
             return order;
         }
         let may_lie_in_plane =
-            (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST);
+            (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST_SURE);
         if may_lie_in_plane && let Some(order) = in_plane() {
             return order;
         }
@@ -160,7 +160,7 @@ impl PlaneOrder {
     fn by_distances(distances: [(f64, f64); 3], edges: &BoundedEdges) -> Self {
         let are_all = |sign: f64| {
             let mut all = distances.iter();
-            all.all(|(distance, error)| distance * sign > error + LEAST)
+            all.all(|(distance, error)| distance * sign > error + LEAST_SURE)
         };
         for sign in [1.0, -1.0] {
             if are_all(sign) {
@@ -182,7 +182,7 @@ impl PlaneOrder {
         }
         Self {
             function,
-            error: (error + PLACE_ERROR * function.slope()) * 1.01 + LEAST,
+            error: (error + SINGLE_PLACE_ERROR * function.slope()) * 1.01 + LEAST_SURE,
         }
     }
 

@@ -58,26 +58,26 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::triangle::CornerLanes;
 use glam::DVec3;
 
-/// By how much bounds grow beyond the errors of places: 2⁻⁹ columns. Rounding needs [`PLACE_ERROR`] of it; with less,
+/// By how much bounds grow beyond the errors of places: 2⁻⁹ columns. Rounding needs [`ROUNDING_MARGIN`] of it; with less,
 /// hits are lost; with more, more triangles between rays are set up.
 const MARGIN: f64 = 1.0 / 512.0;
 
 /// The least ratio of a corner's depth to its error at which its place is used. With a lesser one the factor
 /// 2048/2047 of the bounds grows; with a greater one more triangles close to the eye are set up for every ray.
-const CLEAR: f32 = 2048.0;
+const LEAST_DEPTH_RATIO: f32 = 2048.0;
 
 /// The most by which bounds of a small triangle may grow. With [`SMALL_SIDE`] it allows at most 5 rays in each
 /// direction.
 const SMALL_MARGIN: f32 = 0.125;
 
 /// The part of [`MARGIN`] that covers rounding of places and sums, and of small triangles' edge functions.
-const PLACE_ERROR: f64 = 1.0 / 32768.0;
+const ROUNDING_MARGIN: f64 = 1.0 / 32768.0;
 
 /// Bound on the rounding of the depth key, relative to the greatest: 32u, of which 26u and the corners' own are needed.
 const DEPTH_KEY_SLACK: f32 = 1.0 / (1 << 19) as f32;
 
 /// The greatest place or depth, and the reciprocal of the least.
-const RANGE: f64 = 1e30;
+const PLACE_RANGE: f64 = 1e30;
 
 /// Projects triangles into a packet.
 #[derive(Clone, Debug)]
@@ -143,11 +143,11 @@ impl Projector {
             space.origin.abs().max_element() + from_origin.abs().max_element(),
         );
         // NaN fails these comparisons and makes the projector unsound.
-        let sound = (far < RANGE)
-            & (x + y + z < RANGE)
-            & ((x + y + z) * moved < RANGE)
+        let sound = (far < PLACE_RANGE)
+            & (x + y + z < PLACE_RANGE)
+            & ((x + y + z) * moved < PLACE_RANGE)
             & (space.obliqueness < 1e6);
-        let most_reach = if sound { RANGE / (wide + z) } else { 0.0 };
+        let most_reach = if sound { PLACE_RANGE / (wide + z) } else { 0.0 };
         let place_share = if space.perspective {
             2.0 * SIDE as f64
         } else {
@@ -267,7 +267,8 @@ impl Projector {
         if self.perspective {
             let one = lanes.splat(1.0);
             let keys = (one / z.0, one / z.1, one / z.2);
-            let clear = (depth_error * CLEAR).max(lanes.splat((1.0 / RANGE) as f32));
+            let clear =
+                (depth_error * LEAST_DEPTH_RATIO).max(lanes.splat((1.0 / PLACE_RANGE) as f32));
             let safe = in_range & clear.lt(front);
             let nearest = most(keys);
             let key_error = nearest * (depth_error * nearest * 1.25 + DEPTH_KEY_SLACK);
@@ -364,7 +365,7 @@ impl<L: Lanes> Projected<L> {
     /// m': bound on the error of a place.
     #[inline(always)]
     pub(super) fn place_error(&self) -> L::F32 {
-        self.margin - (MARGIN - PLACE_ERROR) as f32
+        self.margin - (MARGIN - ROUNDING_MARGIN) as f32
     }
 }
 

@@ -11,7 +11,7 @@ use crate::hit::{Cull, Precision};
 use crate::ray::{Ray, relative_origin};
 use crate::triangle::PreparedRay;
 use crate::triangle::coplanar::Coplanar;
-use crate::triangle::plane::{LEAST, Plane};
+use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::DVec3;
 
 /// Planes in the cache, each some 400 bytes, allocated when the first is needed. Rays start in few planes at once; with fewer,
@@ -131,7 +131,7 @@ impl RayStarts {
 fn starts_before(plane: &Plane, ray: &Ray, tree_origin: DVec3) -> Option<bool> {
     let (origin, error) = relative_origin(ray.origin, tree_origin);
     let (distance, error) = plane.distance_of_origin(origin, error);
-    (distance.abs() > error + LEAST).then_some(distance < 0.0)
+    (distance.abs() > error + LEAST_SURE).then_some(distance < 0.0)
 }
 
 /// The bits of eight rays from any one on.

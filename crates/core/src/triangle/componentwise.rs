@@ -21,7 +21,7 @@ use crate::num::roundoff::EPSILON;
 use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
 
 /// The least and greatest magnitude of a factor other than zero.
-const RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
+const FACTOR_RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
 const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// A determinant: its exact value is within `error` of `value`, and zero if `error` is.
@@ -80,7 +80,7 @@ impl Factor {
 
     /// The components whose products of three stay in range; NaN does not.
     fn in_range(self) -> BVec3 {
-        let (least, most) = RANGE;
+        let (least, most) = FACTOR_RANGE;
         let within = self.size.cmpge(DVec3::splat(least)) & self.size.cmple(DVec3::splat(most));
         within | self.size.cmpeq(DVec3::ZERO)
     }
@@ -97,7 +97,7 @@ pub(super) struct Determinants {
 
 impl Determinants {
     /// The determinants of a ray's direction and a triangle's corners relative to the ray's origin, which is off by
-    /// at most `off` · ε. `None` where a factor is out of [`RANGE`].
+    /// at most `off` · ε. `None` where a factor is out of [`FACTOR_RANGE`].
     pub(super) fn new(direction: DVec3, corners: [DVec3; 3], off: f64) -> Option<Self> {
         let d = Factor::exact(direction);
         let [a, b, c] = corners.map(|corner| Factor::new(corner, off));
@@ -112,7 +112,7 @@ impl Determinants {
 
 impl Determinants {
     /// The determinants in double-double arithmetic; corners are relative to `tree_origin`, a point in world space. `None`
-    /// where a factor is out of [`RANGE`].
+    /// where a factor is out of [`FACTOR_RANGE`].
     ///
     /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): the form whose permanent is least is
     /// computed, so that triangles that are tiny compared with their distance are decided as well.

@@ -28,7 +28,7 @@ use glam::{DVec3, Vec3};
 /// A product with an eye or an edge function, which are doubles, may be off by 2⁻¹⁰⁷⁵ times its other factors: with
 /// coordinates up to 10¹⁸, by less than 10⁻²⁵⁰. A value above 10⁻¹³⁵ would leave planes undecided that are subnormal
 /// numbers apart.
-pub(crate) const LEAST: f64 = 1e-250;
+pub(crate) const LEAST_SURE: f64 = 1e-250;
 
 /// The error of a hit's weights: they are rounded well in single precision, within 2⁻²⁶
 /// ([`WELL_CONDITIONED`](super::edges::WELL_CONDITIONED)).
@@ -69,7 +69,7 @@ impl Plane {
         self.turn = value.signum();
         self.normal *= self.turn;
         // NaN fails this comparison.
-        (value.abs() > error + LEAST).then_some(self)
+        (value.abs() > error + LEAST_SURE).then_some(self)
     }
 
     /// [`Plane::turned_along`] for rays that start at an eye, off by at most `error`, and hit the triangle.
@@ -123,13 +123,13 @@ impl Plane {
             value += distance * weight;
             // The first weight has the errors of both others.
             error += distance.abs() * (2.0 * WEIGHT_ERROR) + distance_error * (1.0 + WEIGHT_ERROR);
-            is_before &= distance > distance_error + LEAST;
-            is_behind &= distance < -distance_error - LEAST;
+            is_before &= distance > distance_error + LEAST_SURE;
+            is_behind &= distance < -distance_error - LEAST_SURE;
         }
         match (is_before, is_behind) {
             (true, _) => Some(1.0),
             (_, true) => Some(-1.0),
-            _ => (value.abs() > error * 1.01 + LEAST).then_some(value.signum()),
+            _ => (value.abs() > error * 1.01 + LEAST_SURE).then_some(value.signum()),
         }
     }
 }

@@ -213,7 +213,7 @@ fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
 }
 
 /// Where two planes cross between a ray and its place in single precision, the place does not decide. With
-/// [`PLACE_ERROR`] at zero this fails.
+/// [`SINGLE_PLACE_ERROR`] at zero this fails.
 #[test]
 fn places_in_single_precision_do_not_decide_across_a_crossing() {
     let place = 17.0 + f64::from(f32::EPSILON);

@@ -20,7 +20,7 @@ use crate::triangle::CornerLanes;
 
 /// The least ratio of a corner's depth to its error at which its place is used. With a lesser one the factor 1.001 of
 /// the bound grows; with a greater one more triangles close to the eye are set up for every ray.
-const CLEAR: f64 = 1024.0;
+const LEAST_DEPTH_RATIO: f64 = 1024.0;
 
 /// Bounds of eight triangles.
 #[derive(Clone, Debug)]
@@ -87,7 +87,7 @@ impl PacketSpace {
             let delta = self.delta(reach, max3(az[l], bz[l], cz[l]));
             let front = least(az[l], bz[l], cz[l]);
             // No number is NaN: eyes and corners are far within range (`FURTHEST` in `places`).
-            let is_clear = front > CLEAR * delta;
+            let is_clear = front > LEAST_DEPTH_RATIO * delta;
             behind[l] = most(az[l], bz[l], cz[l]) < -delta;
             let [ia, ib, ic] = [1.0 / az[l], 1.0 / bz[l], 1.0 / cz[l]];
             let nearest = most(ia, ib, ic);
