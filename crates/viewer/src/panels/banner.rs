@@ -1,18 +1,14 @@
 //! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint without a scene.
 
-use super::widgets::select_text;
-use super::{Commands, Status};
+use super::widgets::card;
+use super::{Commands, Status, path_line};
 use crate::state::command::Command;
 use crate::state::effect::Keep;
-use crate::state::listing::folder_of;
 use crate::state::preferences::Mouse;
-use crate::state::{Answer, Pending, Prompt, PromptKind, Replacing, State};
+use crate::state::{Answer, Pending, Replacing, State};
 use crate::ui::registry::{Keymap, action};
 use crate::ui::theme;
-use egui::{
-    Align2, Area, Button, CompletionPopup, Context, Frame, Id, Margin, Order, RichText, Stroke, Ui,
-    vec2,
-};
+use egui::{Align2, Area, Button, Context, Id, Order, RichText, Stroke, Ui, vec2};
 
 /// Shows them over `room`, the picture's place.
 pub(super) fn show(
@@ -57,7 +53,7 @@ pub(super) fn show(
                 unsaved(ui, state, pending, out);
             }
             if let Some(prompt) = &state.prompt {
-                path_line(ui, prompt, out);
+                path_line::show(ui, prompt, out);
             }
             if let Some(replacing) = &state.replacing {
                 question(ui, replacing, out);
@@ -151,14 +147,6 @@ fn held_files(context: &Context, room: egui::Rect, state: &State) {
         });
 }
 
-fn card(ui: &Ui, line: egui::Color32) -> Frame {
-    Frame::new()
-        .fill(theme::colors(ui).card)
-        .stroke(Stroke::new(1.0, line))
-        .corner_radius(6.0)
-        .inner_margin(Margin::symmetric(12, 8))
-}
-
 fn activity(ui: &mut Ui, status: &Status, out: &mut Commands) {
     let Some(activity) = &status.activity else {
         return;
@@ -194,133 +182,6 @@ fn activity(ui: &mut Ui, status: &Status, out: &mut Commands) {
             }
         });
     });
-}
-
-fn path_line(ui: &mut Ui, prompt: &Prompt, out: &mut Commands) {
-    let (title, action, hint) = match prompt.kind {
-        PromptKind::Open => (
-            "Open meshes or a scene",
-            "Open",
-            "path of a mesh or a .raycast.toml",
-        ),
-        PromptKind::Add => (
-            "Add meshes or a scene",
-            "Add",
-            "path of a mesh or a .raycast.toml",
-        ),
-        PromptKind::Picture => (
-            "Save the picture",
-            "Save",
-            "a name ending in .png, .ppm, .jpg, .tif or .exr",
-        ),
-        PromptKind::Measurements => ("Save the measurements", "Save", "a name ending in .csv"),
-        PromptKind::Outline(_) => ("Save the outline", "Save", "a name ending in .svg or .dxf"),
-        PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
-        PromptKind::SceneCopy => (
-            "Save a copy of the scene",
-            "Save",
-            "a name ending in .raycast.toml",
-        ),
-        PromptKind::Texture | PromptKind::TextureOf(_) => {
-            ("Load a texture", "Load", "path of an image")
-        }
-    };
-    card(ui, theme::colors(ui).accent).show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        let mut label = None;
-        ui.horizontal(|ui| {
-            label = Some(ui.label(RichText::new(title).strong()).id);
-            let more = match (prompt.dialog, prompt.kind.saves()) {
-                (true, _) => "choose in the dialog, or type a path:".to_owned(),
-                (false, true) => match std::env::current_dir() {
-                    Ok(folder) => format!("type a path, or a name in {}:", folder.display()),
-                    Err(_) => "type a path:".to_owned(),
-                },
-                // A dropped file is opened, whatever the path line is for.
-                (false, false) => "type a path, or drop a file on the window:".to_owned(),
-            };
-            ui.add(egui::Label::new(RichText::new(more).weak()).truncate());
-        });
-        let id = Id::unique("path");
-        let is_new = ui.ctx().read_response(id).is_none();
-        if is_new {
-            // Before the field is shown, so that it gets text that is typed in this frame. A suggested name is selected
-            // up to its ending, as in file dialogs, and typing replaces that.
-            ui.memory_mut(|memory| memory.request_focus(id));
-            let stem = match prompt.kind.saves() {
-                true => prompt.text.split('.').next().unwrap_or_default(),
-                false => prompt.text.as_str(),
-            };
-            let stem = stem.chars().count();
-            // What was typed already stays.
-            let from = if prompt.listing.is_some() { stem } else { 0 };
-            select_text(ui.ctx(), id, from..stem);
-        }
-        ui.horizontal(|ui| {
-            let mut text = prompt.text.clone();
-            let edit = egui::TextEdit::singleline(&mut text)
-                .hint_text(hint)
-                .desired_width(ui.available_width() - 122.0);
-            // Enter accepts a name to open: where something completes it, no file has it. One to save may be new.
-            let accepting: &[egui::Key] = match prompt.kind.saves() {
-                true => &[egui::Key::Tab],
-                false => &[egui::Key::Tab, egui::Key::Enter],
-            };
-            let popup = CompletionPopup::new(id)
-                .word_boundary(std::path::is_separator)
-                .align(egui::RectAlign::BOTTOM_START)
-                .accept_keys(accepting);
-            let output = popup.show(ui, edit, |query| suggestions(prompt, query));
-            let mut response = output.text_edit.response.response;
-            if let Some(label) = label {
-                response = response.labelled_by(label);
-            }
-            if response.changed() || output.accepted.is_some() {
-                out.push(Command::TypePath(text));
-            }
-            let entered =
-                response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            if !response.has_focus() && ui.memory(|memory| memory.focused().is_none()) {
-                response.request_focus();
-            }
-            let spoken = |response: egui::Response, name: String| {
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-                response
-            };
-            let confirm = spoken(ui.button(action), format!("{action} this path"));
-            if confirm.clicked() || entered {
-                out.push(Command::ConfirmPath);
-            }
-            if ui.button("Cancel").on_hover_text("Close (Esc)").clicked() {
-                out.push(Command::Dismiss);
-            }
-        });
-        if matches!(prompt.kind, PromptKind::Open | PromptKind::Add) {
-            let mut adding = prompt.kind == PromptKind::Add;
-            let hint = "What is open stays, and the new objects come beside it";
-            let tick = ui.checkbox(&mut adding, "Add to what is open");
-            if tick.on_hover_text(hint).changed() {
-                out.push(Command::SetAdding(adding));
-            }
-        }
-    });
-}
-
-/// The most names below a path line: more are found sooner by typing on.
-const MOST_NAMES: usize = 100;
-
-/// The names that complete a path.
-fn suggestions(prompt: &Prompt, query: &egui::CompletionQuery<'_>) -> Vec<egui::Suggestion> {
-    let Some(listing) = &prompt.listing else {
-        return Vec::new();
-    };
-    let is_listed = folder_of(query.text.trim_start()) == listing.folder;
-    let is_at_end = query.text.chars().count() == query.word_range.end.0;
-    if query.text.trim().is_empty() || !is_listed || !is_at_end {
-        return Vec::new();
-    }
-    let names = listing.completing(query.word.trim_start());
-    names.take(MOST_NAMES).map(egui::Suggestion::new).collect()
 }
 
 /// The question about unsaved changes.

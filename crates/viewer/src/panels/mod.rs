@@ -20,6 +20,7 @@ mod objects;
 #[allow(clippy::disallowed_methods, reason = "tints are no part of a picture")]
 pub mod overlay;
 mod palette;
+mod path_line;
 mod pick;
 mod picture;
 mod render;

@@ -202,7 +202,18 @@ fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
 
 /// The controls of the selected object.
 fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
-    let is_locked = state.is_locked(number);
+    own_color(ui, state, (number, object), out);
+    own_texture(ui, state, (number, object), out);
+    object_tree::parent(ui, state, number, out);
+    if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
+        shape::show(ui, state, (number, shape), out);
+    }
+    transform::show(ui, state, number, object, out);
+    buttons(ui, state, out);
+}
+
+/// The colour of the selected object.
+fn own_color(ui: &mut Ui, state: &State, (number, object): (usize, &Object), out: &mut Commands) {
     row(
         ui,
         "Its color",
@@ -229,7 +240,7 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
                 (2, "Random", "A color a triangle"),
             ];
             let chosen = ui
-                .add_enabled_ui(!is_locked, |ui| choice(ui, current, &options))
+                .add_enabled_ui(!state.is_locked(number), |ui| choice(ui, current, &options))
                 .inner;
             out.extend(chosen.map(|kind| {
                 let rule = match kind {
@@ -241,9 +252,13 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
             }));
         },
     );
+}
+
+/// The texture of the selected object.
+fn own_texture(ui: &mut Ui, state: &State, (number, object): (usize, &Object), out: &mut Commands) {
     row(ui, "Its texture", "An image on this object", |ui, _| {
         let load = action("object.texture");
-        ui.add_enabled_ui(!is_locked, |ui| {
+        ui.add_enabled_ui(!state.is_locked(number), |ui| {
             let name = object
                 .texture_source
                 .as_ref()
@@ -278,11 +293,10 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
             }
         });
     });
-    object_tree::parent(ui, state, number, out);
-    if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
-        shape::show(ui, state, (number, shape), out);
-    }
-    transform::show(ui, state, number, object, out);
+}
+
+/// What can be done with the selected object.
+fn buttons(ui: &mut Ui, state: &State, out: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
         for id in [

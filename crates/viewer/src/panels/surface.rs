@@ -8,7 +8,7 @@ use crate::ui::icons::Icon;
 use egui::Ui;
 use raycast_core::Cull;
 use raycast_core::scene::{Color, Object};
-use raycast_core::shade::{Filter, TextureProjection};
+use raycast_core::shade::{Filter, Shading, TextureProjection};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, (Icon::Spline, "Surface"), false, |ui| {
@@ -51,6 +51,15 @@ fn backs(ui: &mut Ui, state: &State, out: &mut Commands) {
 
 fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
     let shading = &state.settings.shading;
+    filter(ui, shading, out);
+    mapping(ui, shading, out);
+    if shading.projection == TextureProjection::Camera {
+        photograph(ui, out);
+    }
+    blend(ui, shading, out);
+}
+
+fn filter(ui: &mut Ui, shading: &Shading, out: &mut Commands) {
     row(ui, "Filter", "What is between texels", |ui, label| {
         let options = [
             (Filter::Nearest, "Nearest", "The nearest texel: blocks"),
@@ -72,6 +81,9 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
         ];
         out.extend(select(ui, "filter", label, shading.filter, &options).map(Command::SetFilter));
     });
+}
+
+fn mapping(ui: &mut Ui, shading: &Shading, out: &mut Commands) {
     row(
         ui,
         "Mapping",
@@ -120,17 +132,21 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
             );
         },
     );
-    if shading.projection == TextureProjection::Camera {
-        let hint = "Where the photograph was taken";
-        row(ui, "Taken", hint, |ui, _| {
-            let button =
-                egui::Button::new("From this view").min_size(egui::vec2(ui.available_width(), 0.0));
-            let hint = "Take the textures for photographs from where the camera stands now";
-            if ui.add(button).on_hover_text(hint).clicked() {
-                out.push(Command::TakePhotographs);
-            }
-        });
-    }
+}
+
+fn photograph(ui: &mut Ui, out: &mut Commands) {
+    let hint = "Where the photograph was taken";
+    row(ui, "Taken", hint, |ui, _| {
+        let button =
+            egui::Button::new("From this view").min_size(egui::vec2(ui.available_width(), 0.0));
+        let hint = "Take the textures for photographs from where the camera stands now";
+        if ui.add(button).on_hover_text(hint).clicked() {
+            out.push(Command::TakePhotographs);
+        }
+    });
+}
+
+fn blend(ui: &mut Ui, shading: &Shading, out: &mut Commands) {
     row(
         ui,
         "Blend",

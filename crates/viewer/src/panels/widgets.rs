@@ -361,3 +361,12 @@ fn color_text(ui: &mut Ui, id: Id, current: Color, label: Id) -> Option<Color> {
     }
     None
 }
+
+/// The frame of a message over the picture.
+pub(super) fn card(ui: &Ui, line: egui::Color32) -> egui::Frame {
+    egui::Frame::new()
+        .fill(theme::colors(ui).card)
+        .stroke(egui::Stroke::new(1.0, line))
+        .corner_radius(6.0)
+        .inner_margin(egui::Margin::symmetric(12, 8))
+}

@@ -247,10 +247,27 @@ pub fn mouse(
     scale: f64,
     at: impl Fn(egui::Pos2) -> (f64, f64),
 ) -> Vec<Command> {
+    let mut commands = Vec::new();
+    let response = (ui, response);
+    commands.extend(drags(response, (habits, walks), is_free, scale, &at));
+    if is_free {
+        commands.extend(click(response, &at));
+    }
+    commands.extend(wheel(response, walks, &at));
+    commands
+}
+
+/// The start of a drag, and its movement.
+fn drags(
+    (ui, response): (&egui::Ui, &egui::Response),
+    (habits, walks): (Mouse, bool),
+    is_free: bool,
+    scale: f64,
+    at: impl Fn(egui::Pos2) -> (f64, f64),
+) -> Vec<Command> {
     use egui::PointerButton::{Middle, Primary, Secondary};
     let mut commands = Vec::new();
-    let shift = ui.input(|input| input.modifiers.shift);
-    let command = ui.input(|input| input.modifiers.command);
+    let egui::Modifiers { shift, command, .. } = ui.input(|input| input.modifiers);
     let is_primary = response.dragged_by(Primary);
     if response.drag_started()
         && (is_free || !is_primary)
@@ -287,63 +304,63 @@ pub fn mouse(
             },
         }));
     }
-    if is_free
-        && response.clicked_by(Primary)
-        && !response.double_clicked_by(Primary)
-        && let Some(position) = response.interact_pointer_pos()
-    {
-        // The ray through the pixel's centre, as in the picture.
-        let (x, y) = at(position);
-        commands.push(Command::Pin {
-            at: (x.floor() + 0.5, y.floor() + 0.5),
-            beside: command,
-        });
+    commands
+}
+
+/// A click keeps what is there, a double-click sets the pivot.
+fn click(
+    (ui, response): (&egui::Ui, &egui::Response),
+    at: impl Fn(egui::Pos2) -> (f64, f64),
+) -> Option<Command> {
+    use egui::PointerButton::Primary;
+    let position = response.interact_pointer_pos()?;
+    if response.double_clicked_by(Primary) {
+        return Some(Command::SetPivot { at: at(position) });
     }
-    if is_free
-        && response.double_clicked_by(Primary)
-        && let Some(position) = response.interact_pointer_pos()
-    {
-        commands.push(Command::SetPivot { at: at(position) });
-    }
-    if let Some(position) = response.hover_pos()
-        && command
-        && !walks
-    {
-        let pushed = ui.input(|input| {
+    // The ray through the pixel's centre, as in the picture.
+    let (x, y) = at(position);
+    response.clicked_by(Primary).then(|| Command::Pin {
+        at: (x.floor() + 0.5, y.floor() + 0.5),
+        beside: ui.input(|input| input.modifiers.command),
+    })
+}
+
+/// The wheel moves or zooms, or changes the pace while one is walking.
+fn wheel(
+    (ui, response): (&egui::Ui, &egui::Response),
+    walks: bool,
+    at: impl Fn(egui::Pos2) -> (f64, f64),
+) -> Option<Command> {
+    let position = response.hover_pos()?;
+    if ui.input(|input| input.modifiers.command) && !walks {
+        let notches = ui.input(|input| {
             let notches = input.events.iter().map(|event| match event {
                 egui::Event::MouseWheel { unit, delta, .. } => notches(*unit, delta.y),
                 _ => 0.0,
             });
             notches.sum::<f64>()
         });
-        if pushed != 0.0 {
-            let (at, notches) = (at(position), pushed);
-            commands.push(Command::Push { at, notches });
-        }
-    } else if let Some(position) = response.hover_pos() {
-        let factor = ui.input(|input| {
-            input
-                .events
-                .iter()
-                .filter_map(|event| match event {
-                    egui::Event::MouseWheel { unit, delta, .. } => {
-                        Some(wheel_factor(*unit, delta.y))
-                    }
-                    egui::Event::Zoom(factor) => Some(1.0 / f64::from(*factor)),
-                    _ => None,
-                })
-                .product::<f64>()
-        });
-        if factor != 1.0 && walks {
-            commands.push(Command::ScaleWalk(1.0 / factor));
-        } else if factor != 1.0 {
-            commands.push(Command::Zoom {
-                at: at(position),
-                factor,
-            });
-        }
+        let at = at(position);
+        return (notches != 0.0).then_some(Command::Push { at, notches });
     }
-    commands
+    let factor = ui.input(|input| {
+        let factors = input.events.iter().filter_map(|event| match event {
+            egui::Event::MouseWheel { unit, delta, .. } => Some(wheel_factor(*unit, delta.y)),
+            egui::Event::Zoom(factor) => Some(1.0 / f64::from(*factor)),
+            _ => None,
+        });
+        factors.product::<f64>()
+    });
+    if factor == 1.0 {
+        return None;
+    }
+    Some(match walks {
+        true => Command::ScaleWalk(1.0 / factor),
+        false => Command::Zoom {
+            at: at(position),
+            factor,
+        },
+    })
 }
 
 #[cfg(test)]
