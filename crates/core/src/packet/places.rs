@@ -427,10 +427,10 @@ fn fill<T: Copy, const N: usize>(has_ray: &[u32; SIDE], from: usize, mut all: [&
         return;
     }
     let mut near = from;
-    for row in 0..SIDE {
+    for (row, &rays) in has_ray.iter().enumerate() {
         for column in 0..SIDE {
             let at = row * SIDE + column;
-            if has_ray[row] >> column & 1 != 0 {
+            if rays >> column & 1 != 0 {
                 near = at;
             } else {
                 for numbers in &mut all {
