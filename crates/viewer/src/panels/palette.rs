@@ -1,6 +1,7 @@
 //! The list of all commands, found by their names.
 
 use super::Commands;
+use super::widgets::explained;
 use crate::state::command::Command;
 use crate::state::{Palette, State};
 use crate::ui::registry::{self, Action, Keymap};
@@ -78,7 +79,8 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
             out.push(Command::TogglePalette);
             out.push((action.command)(state));
         }
-        Entry::Action(_) => {}
+        Entry::Action(action) if action.lacks.is_empty() => {}
+        Entry::Action(action) => out.push(Command::Tell(action.lacks)),
         Entry::Recent(file) => {
             out.push(Command::TogglePalette);
             out.push(Command::Open(vec![file.to_path_buf()]));
@@ -97,18 +99,19 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
         .show(ui, |ui| {
             for (number, entry) in found.iter().enumerate() {
                 let quiet = theme::colors(ui).quiet;
-                let (name, beside, key, hint, applies) = match entry {
+                let (name, beside, key, hint, lacks, applies) = match entry {
                     Entry::Action(action) => (
                         action.name.to_owned(),
                         action.menu.name().to_owned(),
                         keymap.key(action),
                         action.does.to_owned(),
+                        action.lacks,
                         (action.applies)(state),
                     ),
                     Entry::Recent(file) => {
                         let folder = file.parent().unwrap_or(file).display().to_string();
                         let hint = file.display().to_string();
-                        (open_name(file), folder, String::new(), hint, true)
+                        (open_name(file), folder, String::new(), hint, "", true)
                     }
                 };
                 let beside = RichText::new(beside).color(quiet).small();
@@ -118,7 +121,7 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
                     .right_text(RichText::new(key).color(quiet))
                     .truncate()
                     .min_size(vec2(ui.available_width(), 0.0));
-                let response = ui.add_enabled(applies, button);
+                let response = explained(ui.add_enabled(applies, button), lacks);
                 if number == marked && (up || down) {
                     response.scroll_to_me(None);
                 }

@@ -45,9 +45,18 @@ pub(super) fn item(ui: &mut Ui, state: &State, action: &Action, out: &mut Comman
     if response.gained_focus() {
         response.scroll_to_me(None);
     }
+    let response = explained(response, action.lacks);
     if response.on_hover_text(action.does).clicked() {
         out.push((action.command)(state));
         ui.close();
+    }
+}
+
+/// Says of what cannot be chosen what it lacks.
+pub(super) fn explained(response: Response, lacks: &str) -> Response {
+    match lacks {
+        "" => response,
+        lacks => response.on_disabled_hover_text(lacks),
     }
 }
 

@@ -302,6 +302,8 @@ pub enum Command {
 
     /// Ask for a path, by the desktop's dialog and by the path line in the window.
     Ask(PromptKind),
+    /// Tell the user something.
+    Tell(&'static str),
     /// Note that the window has lost the keyboard.
     LoseKeyboard,
     /// Set whether the requested files are added to the scene instead of replacing it.

@@ -345,11 +345,9 @@ impl State {
 
     /// Shows a short message for a while.
     pub(super) fn tell(&mut self, text: impl Into<String>) {
-        let since = self.now;
-        self.toasts.push(Toast {
-            text: text.into(),
-            since,
-        });
+        let (text, since) = (text.into(), self.now);
+        self.toasts.retain(|toast| toast.text != text);
+        self.toasts.push(Toast { text, since });
     }
 
     /// Whether a text field has the keyboard, or is about to get it.

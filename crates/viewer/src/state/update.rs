@@ -324,6 +324,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
         Command::Ask(PromptKind::Outline(plane)) if plane >= state.settings.clip.all().len() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),
+        Command::Tell(text) => state.tell(text),
         Command::LoseKeyboard => {
             if let Some(prompt) = &mut state.prompt {
                 prompt.has_lost_keyboard = true;

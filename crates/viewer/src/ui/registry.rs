@@ -64,7 +64,10 @@ pub fn pressed(
     modifiers: egui::Modifiers,
 ) -> Option<Command> {
     let action = actions().find(|action| keymap.has(action, is_typing, key, modifiers))?;
-    (action.applies)(state).then(|| (action.command)(state))
+    match (action.applies)(state) {
+        true => Some((action.command)(state)),
+        false => (!action.lacks.is_empty()).then(|| Command::Tell(action.lacks)),
+    }
 }
 
 /// Actions whose names, descriptions or other words contain every word of `text`; those whose names begin with it come
@@ -155,9 +158,10 @@ mod tests {
         );
         assert_eq!(
             press(&state, Key::Z, Modifiers::COMMAND),
-            None,
-            "nothing to undo"
+            Some(Command::Tell("There is nothing to undo"))
         );
+        let said = press(&state, Key::Delete, Modifiers::NONE);
+        assert!(matches!(said, Some(Command::Tell(text)) if text.contains("marked")));
         assert_eq!(
             pressed(&keymap, &state, true, Key::W, Modifiers::NONE),
             None

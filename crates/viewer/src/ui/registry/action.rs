@@ -71,6 +71,8 @@ pub struct Action {
     pub is_first_of_group: bool,
     /// Whether it applies now.
     pub applies: fn(&State) -> bool,
+    /// What is missing where it does not apply; empty where that is plain to see.
+    pub lacks: &'static str,
     /// Whether it is on, for an action that switches something.
     pub is_on: Option<fn(&State) -> bool>,
     /// Its command.
@@ -95,6 +97,7 @@ impl Action {
             menu,
             is_first_of_group: false,
             applies: |_| true,
+            lacks: "",
             is_on: None,
             command,
         }
@@ -102,6 +105,11 @@ impl Action {
 
     pub(super) const fn when(self, applies: fn(&State) -> bool) -> Self {
         Self { applies, ..self }
+    }
+
+    /// What is missing where it does not apply.
+    pub(super) const fn lacks(self, lacks: &'static str) -> Self {
+        Self { lacks, ..self }
     }
 
     pub(super) const fn on(self, is_on: fn(&State) -> bool) -> Self {

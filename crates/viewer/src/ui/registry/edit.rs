@@ -47,7 +47,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::Z)],
         |_| Command::Undo,
     )
-    .when(|state| state.history.undo_name().is_some()),
+    .when(|state| state.history.undo_name().is_some())
+    .lacks("There is nothing to undo"),
     Action::of(
         Menu::Edit,
         "edit.redo",
@@ -56,7 +57,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl_shift(Key::Z), ctrl(Key::Y)],
         |_| Command::Redo,
     )
-    .when(|state| state.history.redo_name().is_some()),
+    .when(|state| state.history.redo_name().is_some())
+    .lacks("There is nothing to redo"),
     Action::of(
         Menu::Edit,
         "object.visible",
@@ -66,6 +68,7 @@ pub(super) static ACTIONS: &[Action] = &[
         |state| Command::SetVisible(selected(state), !is_visible(state)),
     )
     .when(has_selected)
+    .lacks(UNMARKED)
     .on(is_visible)
     .apart(),
     Action::of(
@@ -76,7 +79,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::I)],
         |state| Command::Isolate(selected(state)),
     )
-    .when(has_selected),
+    .when(has_selected)
+    .lacks(UNMARKED),
     Action::of(
         Menu::Edit,
         "object.show_all",
@@ -88,7 +92,8 @@ pub(super) static ACTIONS: &[Action] = &[
     .when(|state| {
         let document = state.document.as_ref();
         document.is_some_and(|d| d.scene.objects.iter().any(|object| !object.visible))
-    }),
+    })
+    .lacks("No object is hidden"),
     Action::of(
         Menu::Edit,
         "object.rename",
@@ -97,7 +102,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::F2)],
         |state| Command::EditName(state.selected),
     )
-    .when(has_selected),
+    .when(has_selected)
+    .lacks(UNMARKED),
     Action::of(
         Menu::Edit,
         "object.duplicate",
@@ -106,7 +112,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::D)],
         |state| Command::Duplicate(selected(state)),
     )
-    .when(has_selected),
+    .when(has_selected)
+    .lacks(UNMARKED),
     Action::of(
         Menu::Edit,
         "object.lock",
@@ -116,6 +123,7 @@ pub(super) static ACTIONS: &[Action] = &[
         |state| Command::SetLocked(selected(state), !state.is_locked(selected(state))),
     )
     .when(has_selected)
+    .lacks(UNMARKED)
     .on(|state| state.is_locked(selected(state))),
     Action::of(
         Menu::Edit,
@@ -125,7 +133,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |state| Command::Ask(PromptKind::TextureOf(selected(state))),
     )
-    .when(has_selected),
+    .when(has_selected)
+    .lacks(UNMARKED),
     handles!(
         "object.move",
         "Move by handles",
@@ -195,8 +204,12 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::Delete)],
         |state| Command::Delete(selected(state)),
     )
-    .when(has_selected),
+    .when(has_selected)
+    .lacks(UNMARKED),
 ];
+
+/// What actions on the selected object lack without one.
+const UNMARKED: &str = "No object is marked: click one in the picture or in the list";
 
 fn has_selected(state: &State) -> bool {
     state.selected.is_some()

@@ -86,6 +86,7 @@ pub(super) static ACTIONS: &[Action] = &[
         |_| Command::Ask(PromptKind::Measurements),
     )
     .when(|state| !state.measuring.list.is_empty())
+    .lacks("Nothing is measured")
     .apart(),
     Action::of(
         Menu::Tools,
@@ -95,7 +96,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |_| Command::ClearMeasurements,
     )
-    .when(|state| !state.measuring.list.is_empty()),
+    .when(|state| !state.measuring.list.is_empty())
+    .lacks("Nothing is measured"),
     cut!(
         "cut.x",
         "Cut across X",
@@ -139,7 +141,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |state| Command::Ask(PromptKind::Outline(newest_plane(state).unwrap_or(usize::MAX))),
     )
-    .when(|state| newest_plane(state).is_some()),
+    .when(|state| newest_plane(state).is_some())
+    .lacks("There is no clipping plane"),
     Action::of(
         Menu::Tools,
         "tools.check",

@@ -54,7 +54,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[alt(Key::ArrowLeft)],
         |_| Command::ViewBack,
     )
-    .when(|state| state.trail.has_past()),
+    .when(|state| state.trail.has_past())
+    .lacks("There is no earlier view"),
     Action::of(
         Menu::View,
         "view.forward",
@@ -63,7 +64,8 @@ pub(super) static ACTIONS: &[Action] = &[
         &[alt(Key::ArrowRight)],
         |_| Command::ViewForward,
     )
-    .when(|state| state.trail.has_future()),
+    .when(|state| state.trail.has_future())
+    .lacks("There is no later view"),
     Action::of(
         Menu::View,
         "view.walk",
