@@ -52,6 +52,49 @@ pub(in crate::packet) struct PacketRays {
     pub(in crate::packet) greatest: f64,
 }
 
+/// What the spaces of perspective and of orthographic packets have in common.
+struct Packet {
+    steps: [DVec3; 2],
+    last: (f32, f32),
+    cull: Cull,
+}
+
+impl Packet {
+    /// The map of a packet whose first ray has this direction, with its image plane at `distance` from the origin, and
+    /// `greatest` for B. Magnitudes are left to the projection.
+    fn space(
+        self,
+        (d, distance): (DVec3, f64),
+        (origin, origin_error): (DVec3, f64),
+        greatest: f64,
+    ) -> PacketSpace {
+        let [a, b] = self.steps;
+        let determinant = a.dot(b.cross(d));
+        let scale = distance / determinant;
+        PacketSpace {
+            perspective: true,
+            origin,
+            unit_depth: d / distance,
+            map: [b.cross(d) * scale, d.cross(a) * scale, a.cross(b) * scale],
+            cull: self.cull,
+            last: self.last,
+            stretch_and_reach: 0.0,
+            origin_error,
+            size: (0.0, 0.0),
+            ray_error: 0.0,
+            obliqueness: 1.0,
+            rays: PacketRays {
+                direction: d,
+                steps: self.steps,
+                distance,
+                greatest,
+            },
+            reference: 0.0,
+            units: 1.0,
+        }
+    }
+}
+
 impl PacketSpace {
     /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is the
     /// camera's, relative to the point that corners are relative to, and off by at most `eye_error`.
@@ -67,73 +110,41 @@ impl PacketSpace {
         let step = camera.plane().step * stride;
         let (across, along) = camera.across_and_along(x, y);
         let reach = (across.abs() + REACH * step) + (along.abs() + REACH * step);
-        let (a, b) = (camera.right() * step, camera.up() * -step);
-        let perspective = camera.projection() == Projection::Perspective;
-        let (d, scale, origin, origin_error) = if perspective {
-            let distance = camera.distance();
-            (camera.direction(x, y), distance, eye, eye_error)
-        } else {
-            let origin = eye + camera.on_plane(x, y);
-            // Each ray's own origin is rounded in world space, and its place on the plane is rounded before that.
-            let world = camera.placement().eye.abs().max_element()
-                + origin.abs().max_element()
-                + 2.0 * reach;
-            (
-                camera.forward(),
-                1.0,
-                origin,
-                eye_error + 16.0 * EPSILON * world,
-            )
-        };
-        let determinant = a.dot(b.cross(d));
-        let scale = scale / determinant;
-        let map = [b.cross(d) * scale, d.cross(a) * scale, a.cross(b) * scale];
-        let (stretch, size, ray_error, obliqueness) = if perspective {
-            let distance = camera.distance();
-            let greatest = reach + distance;
-            let stretch = greatest / step;
-            let wide = greatest / distance;
-            (
-                stretch,
-                (2.1 * step / distance, 1.1 * wide),
-                32.0 * EPSILON * stretch * wide,
-                wide,
-            )
-        } else {
-            (1.0 / step, (2.1 * step, 1.1), 0.0, 1.0)
-        };
-        Self {
-            perspective,
-            origin,
-            unit_depth: if perspective {
-                d / camera.distance()
-            } else {
-                d
-            },
-            map,
-            cull,
+        let steps = [camera.right() * step, camera.up() * -step];
+        let packet = Packet {
+            steps,
             last: (columns as f32 - 1.0, rows as f32 - 1.0),
-            stretch_and_reach: if perspective {
-                stretch + REACH
-            } else {
-                stretch
-            },
-            origin_error,
-            size,
-            ray_error,
-            obliqueness,
-            rays: PacketRays {
-                direction: d,
-                steps: [a, b],
-                distance: if perspective { camera.distance() } else { 1.0 },
-                greatest: if perspective {
-                    reach + camera.distance()
-                } else {
-                    0.0
-                },
-            },
-            reference: 0.0,
-            units: 1.0,
+            cull,
+        };
+        match camera.projection() {
+            Projection::Perspective => {
+                let (d, distance) = (camera.direction(x, y), camera.distance());
+                let greatest = reach + distance;
+                let (stretch, wide) = (greatest / step, greatest / distance);
+                Self {
+                    stretch_and_reach: stretch + REACH,
+                    size: (2.1 * step / distance, 1.1 * wide),
+                    ray_error: 32.0 * EPSILON * stretch * wide,
+                    obliqueness: wide,
+                    ..packet.space((d, distance), (eye, eye_error), greatest)
+                }
+            }
+            Projection::Orthographic | Projection::Panoramic(_) => {
+                let origin = eye + camera.on_plane(x, y);
+                // Each ray's own origin is rounded in world space, and its place on the plane is rounded before that.
+                let world = camera.placement().eye.abs().max_element()
+                    + origin.abs().max_element()
+                    + 2.0 * reach;
+                let origin_error = eye_error + 16.0 * EPSILON * world;
+                Self {
+                    perspective: false,
+                    stretch_and_reach: 1.0 / step,
+                    size: (2.1 * step, 1.1),
+                    ray_error: 0.0,
+                    obliqueness: 1.0,
+                    ..packet.space((camera.forward(), 1.0), (origin, origin_error), 0.0)
+                }
+            }
         }
     }
 
