@@ -5,8 +5,8 @@ use super::facet::Mapping;
 use super::hit_rows::EightHits;
 use super::row_textures::Textured;
 use super::sample::sample_eight;
+use super::texture::triplanar::Triplanar;
 use super::tile_rays::TileRays;
-use super::triplanar::Triplanar;
 use super::vectors::{Row, Vectors};
 use crate::hits::runs;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
@@ -21,7 +21,7 @@ struct TexturePlaces {
 }
 
 impl TexturePlaces {
-    /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texturing::Texturing::sampled) has it.
+    /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texture::texturing::Texturing::sampled) has it.
     #[inline(always)]
     fn set_uv<F: F32x8>(&mut self, corners: &[F; 18], (u, v): (&Row, &Row)) {
         let mut all = [[0.0; LANES]; 6];

@@ -1,16 +1,18 @@
 //! A grid of lines on a horizontal plane, which shows the vertical and the scale.
 
+pub(in crate::shade) mod lines;
+
 use super::Ground;
 use super::edges::covered;
-use super::ground_lines::{
-    APART, AXIS_WIDTH, CLOSEST, COARSER, GroundLines, REACH, Seen, WHOLE_LIMIT, from_whole,
-};
 use super::srgb::{self, over};
 use crate::camera::Camera;
 use crate::math;
 use crate::num::simd::LANES;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
+use lines::{
+    APART, AXIS_WIDTH, CLOSEST, COARSER, GroundLines, REACH, Seen, WHOLE_LIMIT, from_whole,
+};
 
 /// The opacity of each type of line.
 const FINE: f64 = 0.28;

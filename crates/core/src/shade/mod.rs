@@ -2,9 +2,9 @@
 //!
 //! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
 //! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
-//! mode needs. [`TileShader`] caches these. `scanlines` shades rows whose colours follow from linear functions, `eight`
-//! shades eight samples of a row at once in lanes, `eight_texture` reads their textures and `eight_channels` fills the
-//! other channels of a picture, all with the bits of single samples.
+//! mode needs. [`TileShader`] caches these. `texture` reads surfaces' images, and `lines` draws edges. `scanlines` shades
+//! rows whose colours follow from linear functions, `eight` shades eight samples of a row at once in lanes, `eight_texture`
+//! reads their textures and `eight_channels` fills the other channels of a picture, all with the bits of single samples.
 
 mod depth_colors;
 mod edge_choice;
@@ -17,9 +17,7 @@ mod eight_interpolation;
 mod eight_lines;
 mod eight_texture;
 mod facet;
-mod footprint;
 mod ground;
-mod ground_lines;
 mod hit_rows;
 #[cfg(test)]
 mod interpolant_tests;
@@ -30,16 +28,11 @@ mod line_overlay;
 #[cfg(test)]
 mod line_tests;
 mod lines;
-mod mapping;
-mod mipmap;
 mod mode;
 mod numbers;
 mod own_color;
 #[cfg(test)]
 mod own_color_tests;
-mod per_triangle;
-mod photograph;
-mod placed_image;
 mod ramp;
 mod reflection;
 mod row_textures;
@@ -58,12 +51,10 @@ mod spans;
 pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;
-mod texture_map;
-mod texturing;
+mod texture;
 mod tile;
 mod tile_rays;
 mod translucent;
-mod triplanar;
 mod vectors;
 #[cfg(test)]
 mod vertex_color_tests;
@@ -73,15 +64,15 @@ pub use edge_kinds::{EdgeKinds, EdgeKindsError};
 pub(crate) use eight_channels::Channels;
 pub(crate) use legend::DrawnLegend;
 pub use legend::Legend;
-pub use mapping::{texture_corners, texture_point};
 pub use mode::{
     Background, Filter, Ground, GroundError, LightSet, Mode, Shading, Shows, Wireframe,
 };
 pub use own_color::own_color;
-pub use photograph::PhotographError;
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
 pub(crate) use srgb::{encode, encode_all_premultiplied, encode_premultiplied, over_black};
-pub use texture_map::TextureMap;
+pub use texture::map::TextureMap;
+pub use texture::mapping::{texture_corners, texture_point};
+pub use texture::photograph::PhotographError;
 pub use tile::TileShader;
 pub(crate) use translucent::{SEEN, Translucent};

@@ -6,7 +6,7 @@ use super::numbers::Numbers;
 use super::sample::{TexelsAround, bilinear, is_read_at_once, nearest_of_eight, sample_eight};
 use super::spans::{COLUMNS, Span};
 use super::srgb::Tables;
-use super::triplanar::Triplanar;
+use super::texture::triplanar::Triplanar;
 use super::vectors::{Row, Vectors};
 use super::{Filter, Shader};
 use crate::num::simd::{F32x8, LANES, Lanes, Work};
@@ -169,7 +169,7 @@ impl RowTextures {
         true
     }
 
-    /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texturing::Texturing::sampled) has it.
+    /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texture::texturing::Texturing::sampled) has it.
     #[inline(always)]
     fn set_uv<F: F32x8>(&mut self, uvs: [Vec2; 3], at: usize, weights: [F; 2]) {
         let (mut u, mut v): (Row, Row) = ([0.0; LANES], [0.0; LANES]);

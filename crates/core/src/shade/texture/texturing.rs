@@ -1,20 +1,20 @@
 //! Colours of textures on surfaces.
 
-use super::facet::{Mapping, blend};
 use super::footprint::{Footprint, sample_over};
 use super::mapping::ObjectMapping;
-use super::sample::sample;
-use super::srgb::{self, Tables};
 use super::triplanar::Triplanar;
-use super::{Filter, Shading};
 use crate::hit::PrimitiveHit;
 use crate::scene::{Object, Reflectance, Scene, Texture};
+use crate::shade::facet::{Mapping, blend};
+use crate::shade::sample::sample;
+use crate::shade::srgb::{self, Tables};
+use crate::shade::{Filter, Shading};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 /// The mappings of a scene's textures, and how they are filtered.
 #[derive(Debug)]
-pub(super) struct Texturing {
+pub(in crate::shade) struct Texturing {
     /// For each object; empty where no texture is shown.
     mappings: Vec<Option<ObjectMapping>>,
     shading: Shading,
@@ -23,7 +23,12 @@ pub(super) struct Texturing {
 
 impl Texturing {
     /// For the objects of a scene, if textures are shown. Corners in world space are relative to `origin`.
-    pub(super) fn new(scene: &Scene, shading: Shading, origin: DVec3, is_shown: bool) -> Self {
+    pub(in crate::shade) fn new(
+        scene: &Scene,
+        shading: Shading,
+        origin: DVec3,
+        is_shown: bool,
+    ) -> Self {
         let mapping = |object: &Object| {
             let has_texture = object.has_texture();
             has_texture.then(|| ObjectMapping::new(object, shading.projection, origin))?
@@ -40,7 +45,7 @@ impl Texturing {
     }
 
     /// The mapping of an object's texture to a triangle, whose corners `in_world` gives; `None` where it has none.
-    pub(super) fn mapping(
+    pub(in crate::shade) fn mapping(
         &self,
         number: u32,
         object: &Object,
@@ -51,13 +56,13 @@ impl Texturing {
     }
 
     /// Whether any texture is a photograph.
-    pub(super) fn has_photographs(&self) -> bool {
+    pub(in crate::shade) fn has_photographs(&self) -> bool {
         let mut mappings = self.mappings.iter().flatten();
         mappings.any(|mapping| matches!(mapping, ObjectMapping::Photographed(_)))
     }
 
     /// The eye of the photograph that a hit shows if it is visible from there.
-    pub(super) fn taken_from(
+    pub(in crate::shade) fn taken_from(
         &self,
         (number, texture): (u32, &Texture),
         mapping: &Mapping,
@@ -74,7 +79,7 @@ impl Texturing {
 
     /// How an object's textures are mapped from three sides, if they are.
     #[inline]
-    pub(super) fn triplanar(&self, number: u32) -> Option<&Triplanar> {
+    pub(in crate::shade) fn triplanar(&self, number: u32) -> Option<&Triplanar> {
         match self.of(number)? {
             ObjectMapping::Triplanar(triplanar) => Some(triplanar),
             _ => None,
@@ -82,7 +87,7 @@ impl Texturing {
     }
 
     /// The texture's colour at a hit: linear light, premultiplied alpha.
-    pub(super) fn sampled(
+    pub(in crate::shade) fn sampled(
         &self,
         (number, texture): (u32, &Texture),
         mapping: &Mapping,
@@ -133,7 +138,7 @@ impl Texturing {
 
     /// A material's metallic, roughness and emission at a hit. Their images are read as textures are, but without a
     /// footprint: bilinear or nearest.
-    pub(super) fn reflectance(
+    pub(in crate::shade) fn reflectance(
         &self,
         material: &Reflectance,
         uvs: Option<[Vec2; 3]>,
@@ -160,7 +165,7 @@ impl Texturing {
 
     /// As [`Texturing::sampled`], over the pixel's footprint; `slopes` are the change of the hit's barycentrics from
     /// pixel to pixel, to the right and down.
-    pub(super) fn filtered(
+    pub(in crate::shade) fn filtered(
         &self,
         (number, texture): (u32, &Texture),
         mapping: &Mapping,

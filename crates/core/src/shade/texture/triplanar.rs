@@ -1,29 +1,29 @@
 //! Triplanar mapping, for surfaces without texture coordinates.
 
-use super::vectors::Vectors;
 use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::scene::{Bounds, Mesh};
+use crate::shade::vectors::Vectors;
 use glam::{DVec3, Vec3};
 
 /// An object's triplanar mapping: one repeat over the longest side of its box, centred, upright and unmirrored on the
 /// sides that face ±X and ±Z, and with −Z up on those that face ±Y.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Triplanar {
+pub(in crate::shade) struct Triplanar {
     center: DVec3,
     scale: f64,
 }
 
 /// The contribution of one axis to a point's colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Side {
+pub(in crate::shade) struct Side {
     /// 0 to 1; the three weights of a point sum to one.
-    pub(super) weight: f32,
+    pub(in crate::shade) weight: f32,
     /// Texture coordinates.
-    pub(super) uv: [f64; 2],
+    pub(in crate::shade) uv: [f64; 2],
 }
 
 impl Triplanar {
-    pub(super) fn new(mesh: &Mesh) -> Self {
+    pub(in crate::shade) fn new(mesh: &Mesh) -> Self {
         Self::over(&mesh.bounds(), mesh.offset())
     }
 
@@ -37,7 +37,7 @@ impl Triplanar {
     }
 
     /// The three axes' contributions to the colour of a point with this unit normal, both in object space.
-    pub(super) fn sides(&self, point: Vec3, normal: Vec3) -> [Side; 3] {
+    pub(in crate::shade) fn sides(&self, point: Vec3, normal: Vec3) -> [Side; 3] {
         let [x, y, z] = ((point.as_dvec3() - self.center) * self.scale).to_array();
         let squared = normal * normal;
         let fourth = squared * squared;
@@ -58,7 +58,7 @@ impl Triplanar {
     /// [`Triplanar::sides`] of eight samples, at barycentrics (u, v) between corners and between normals: weights and texture
     /// coordinates.
     #[inline(always)]
-    pub(super) fn eight_sides<L: Lanes>(
+    pub(in crate::shade) fn eight_sides<L: Lanes>(
         &self,
         lanes: L,
         corners: [[L::F32; 3]; 3],
@@ -92,7 +92,7 @@ impl Triplanar {
     }
 
     /// The change of the three axes' texture coordinates along a step, for the same normal.
-    pub(super) fn along(&self, step: DVec3, normal: Vec3) -> [[f64; 2]; 3] {
+    pub(in crate::shade) fn along(&self, step: DVec3, normal: Vec3) -> [[f64; 2]; 3] {
         on_sides((step * self.scale).to_array(), normal)
     }
 }

@@ -1,11 +1,11 @@
 //! Mip levels of textures: L. Williams, "Pyramidal Parametrics", 1983.
 
-use super::srgb::{self, Tables};
 use crate::scene::Texture;
+use crate::shade::srgb::{self, Tables};
 
 /// The texture at half its size, a quarter, and so on down to one texel: computed on first use and kept with the
 /// texture. They take a third of its memory.
-pub(super) fn levels(texture: &Texture) -> &[Texture] {
+pub(in crate::shade) fn levels(texture: &Texture) -> &[Texture] {
     texture.levels(|texture| {
         let mut levels: Vec<Texture> = Vec::new();
         for size in texture.level_sizes() {
@@ -18,7 +18,11 @@ pub(super) fn levels(texture: &Texture) -> &[Texture] {
 }
 
 /// A mip level by number: 0 is the texture itself, beyond the last it is the last.
-pub(super) fn level<'t>(texture: &'t Texture, levels: &'t [Texture], number: usize) -> &'t Texture {
+pub(in crate::shade) fn level<'t>(
+    texture: &'t Texture,
+    levels: &'t [Texture],
+    number: usize,
+) -> &'t Texture {
     match number.min(levels.len()) {
         0 => texture,
         number => &levels[number - 1],

@@ -1,21 +1,21 @@
 //! The ground's lines in a planar picture: how rays meet the ground, as a function of the place alone, and which
 //! pixels no line covers.
 
-use super::edges::reach;
 use crate::camera::{Camera, Projection};
 use crate::num::simd::LANES;
+use crate::shade::edges::reach;
 use glam::DVec3;
 
 /// The distance of the stronger lines, in cells.
-pub(super) const COARSER: f64 = 10.0;
+pub(in crate::shade) const COARSER: f64 = 10.0;
 
 /// The width of axes, the widest lines, in pixels.
-pub(super) const AXIS_WIDTH: f64 = 1.5;
+pub(in crate::shade) const AXIS_WIDTH: f64 = 1.5;
 
 /// Lines fade where cells are seen this many pixels wide, down to [`CLOSEST`]. With smaller limits dense lines would
 /// become a shimmering grey; with larger ones the grid would end near the viewer.
-pub(super) const APART: f64 = 12.0;
-pub(super) const CLOSEST: f64 = 3.0;
+pub(in crate::shade) const APART: f64 = 12.0;
+pub(in crate::shade) const CLOSEST: f64 = 3.0;
 
 /// The squared cells a pixel beyond which lines one cell apart have faded, with a margin for rounding.
 const FADED: f64 = 1.0001 / (CLOSEST * CLOSEST);
@@ -29,17 +29,17 @@ const FURTHEST: f64 = 1e6;
 const FINEST: f64 = 1e-12;
 
 /// 2⁵¹.
-pub(super) const WHOLE_LIMIT: f64 = (1u64 << 51) as f64;
+pub(in crate::shade) const WHOLE_LIMIT: f64 = (1u64 << 51) as f64;
 
 /// The sum with a number below 2⁵¹ is rounded to a whole number, to the nearest even one at halves.
 const WHOLE: f64 = (3u64 << 51) as f64;
 
 /// A hundredth more than the reach of the widest line, in pixels.
-pub(super) const REACH: f64 = reach(AXIS_WIDTH).0 * 1.01;
+pub(in crate::shade) const REACH: f64 = reach(AXIS_WIDTH).0 * 1.01;
 
 /// How far a number below [`WHOLE_LIMIT`] is from the nearest whole one.
 #[inline(always)]
-pub(super) fn from_whole(number: f64) -> f64 {
+pub(in crate::shade) fn from_whole(number: f64) -> f64 {
     number - ((number + WHOLE) - WHOLE)
 }
 
@@ -54,7 +54,7 @@ struct Meeting {
 }
 
 /// Where a ray is seen to meet the ground.
-pub(super) enum Seen {
+pub(in crate::shade) enum Seen {
     /// It does not.
     Nowhere,
     /// Errors could be seen.
@@ -94,7 +94,7 @@ impl LinearVector {
 
 /// The ground as the rays of a planar picture with one eye, or of an orthographic one, meet it. Coordinates are in cells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct GroundLines {
+pub(in crate::shade) struct GroundLines {
     height: f64,
     /// Where rays start.
     origin: LinearVector,
@@ -103,7 +103,7 @@ pub(super) struct GroundLines {
 
 impl GroundLines {
     /// `None` for another kind of picture, and for eyes too far from the origin.
-    pub(super) fn new(camera: &Camera, height: f64, cell: f64) -> Option<Self> {
+    pub(in crate::shade) fn new(camera: &Camera, height: f64, cell: f64) -> Option<Self> {
         let eye = camera.placement().eye / cell;
         if camera.stereo().is_some() || eye.abs().max_element() >= FURTHEST {
             return None;
@@ -199,7 +199,7 @@ impl GroundLines {
 
     /// How the ray through (x, y) is seen to meet the ground.
     #[inline]
-    pub(super) fn seen(&self, x: f64, y: f64) -> Seen {
+    pub(in crate::shade) fn seen(&self, x: f64, y: f64) -> Seen {
         let meeting = self.meeting(x, y);
         if meeting.along <= 0.0 {
             return Seen::Nowhere;
@@ -220,7 +220,7 @@ impl GroundLines {
 
     /// [`GroundLines::may_cover`] at eight places of a row.
     #[inline(always)]
-    pub(super) fn may_cover_eight(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
+    pub(in crate::shade) fn may_cover_eight(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
         let mut all = [false; LANES];
         for lane in 0..LANES {
             all[lane] = self.may_cover(xs[lane], y);

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 /// It fits between the centres of the outermost texels, so that no 2 × 2 filter reads beyond the image. Computed in
 /// double precision from corners scaled to −1 to 1: coordinates are accurate to some 2⁻⁴⁸ of the image. A triangle
 /// whose corners coincide lies in the image's middle, one without height along its middle row.
-pub(super) fn laid(corners: [DVec3; 3], width: u32, height: u32) -> [DVec2; 3] {
+pub(in crate::shade) fn laid(corners: [DVec3; 3], width: u32, height: u32) -> [DVec2; 3] {
     let [a, b, c] = corners;
     let largest = [b - a, c - b, a - c]
         .iter()

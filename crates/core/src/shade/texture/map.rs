@@ -1,5 +1,5 @@
-use super::srgb::{self, Tables};
 use crate::scene::{Color, Crop, Texture, Wrap};
+use crate::shade::srgb::{self, Tables};
 use glam::DVec2;
 
 /// The most repeats of a triangle along an axis that are drawn.

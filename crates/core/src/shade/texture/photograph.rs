@@ -63,7 +63,7 @@ const SIDE: u32 = 2;
 
 /// The map from points of the scene to texture coordinates in a photograph.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Photographed {
+pub(in crate::shade) struct Photographed {
     camera: Camera,
     /// The point that points are relative to, in world space.
     origin: DVec3,
@@ -71,19 +71,19 @@ pub(super) struct Photographed {
 
 impl Photographed {
     /// For points relative to `origin`; `None` where the photograph is invalid.
-    pub(super) fn new(photograph: &Photograph, origin: DVec3) -> Option<Self> {
+    pub(in crate::shade) fn new(photograph: &Photograph, origin: DVec3) -> Option<Self> {
         let camera = photograph.camera().ok()?;
         Some(Self { camera, origin })
     }
 
     /// The camera's eye, in world space.
-    pub(super) fn eye(&self) -> DVec3 {
+    pub(in crate::shade) fn eye(&self) -> DVec3 {
         self.camera.placement().eye
     }
 
     /// The texture coordinates of a point, inside or outside the frame; `None` behind the eye, and where the lens
     /// sees nothing.
-    pub(super) fn place(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
+    pub(in crate::shade) fn place(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
         let (x, y) = self.camera.project(self.origin + point)?;
         let side = f64::from(SIDE);
         Some(DVec2::new(
@@ -94,7 +94,7 @@ impl Photographed {
 
     /// The texture coordinates of a point in the frame, clamped to half a texel from the frame's border so that
     /// nothing beyond the image is read. `None` outside the frame.
-    pub(super) fn within(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
+    pub(in crate::shade) fn within(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
         let place = self.place(point, texture)?;
         let is_within = (0.0..=1.0).contains(&place.x) && (0.0..=1.0).contains(&place.y);
         let half = DVec2::new(
@@ -109,7 +109,7 @@ impl Photographed {
     /// The point is λ·D from the eye, with D the direction through its pixel (x, y). As D changes by r from a pixel
     /// to the next on the right and by s to the one below, a step is λ·(r·dx + s·dy) + D·dλ; its products with s × D
     /// and D × r isolate dx and dy.
-    pub(super) fn along(&self, point: DVec3, step: DVec3, texture: &Texture) -> DVec2 {
+    pub(in crate::shade) fn along(&self, point: DVec3, step: DVec3, texture: &Texture) -> DVec2 {
         let point = self.origin + point;
         let Some((x, y)) = self.camera.project(point) else {
             return DVec2::NAN;

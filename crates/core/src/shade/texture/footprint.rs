@@ -1,11 +1,11 @@
 //! A pixel's footprint on a texture, and the texture's colour over it.
 
-use super::Filter;
 use super::mipmap::{level, levels};
-use super::sample::{sample, wrapped_texel};
-use super::srgb::Tables;
 use crate::math;
 use crate::scene::Texture;
+use crate::shade::Filter;
+use crate::shade::sample::{sample, wrapped_texel};
+use crate::shade::srgb::Tables;
 use glam::DVec2;
 use std::sync::LazyLock;
 
@@ -41,15 +41,15 @@ static GAUSSIAN: LazyLock<[f32; WEIGHTS]> = LazyLock::new(|| {
 
 /// The change of texture coordinates from pixel to pixel, to the right and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Footprint {
-    pub(super) across: DVec2,
-    pub(super) down: DVec2,
+pub(in crate::shade) struct Footprint {
+    pub(in crate::shade) across: DVec2,
+    pub(in crate::shade) down: DVec2,
 }
 
 /// The texture's colour over a pixel's footprint around (u, v): linear light, premultiplied alpha.
 ///
 /// A footprint that is infinite or NaN gives the mean of the whole texture.
-pub(super) fn sample_over(
+pub(in crate::shade) fn sample_over(
     tables: &Tables,
     texture: &Texture,
     uv: DVec2,
@@ -189,10 +189,10 @@ fn ewa(
 
 #[cfg(test)]
 mod tests {
-    use super::super::srgb::tables;
     use super::*;
     use crate::random::Random;
     use crate::scene::Wrap;
+    use crate::shade::srgb::tables;
 
     fn texture(side: u32, texel: impl Fn(u32, u32) -> u8) -> Texture {
         let texels = (0..side * side)

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 /// A placed image, for points relative to a mesh's offset.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlacedImage {
+pub(in crate::shade) struct PlacedImage {
     surface: ImageSurface,
     center: DVec3,
     /// Right, up and front.
@@ -24,7 +24,7 @@ enum ImageSurface {
 
 impl PlacedImage {
     /// `None` where the projection is not placed, or the projector is invalid.
-    pub(super) fn new(
+    pub(in crate::shade) fn new(
         projection: TextureProjection,
         projector: &Projector,
         offset: DVec3,
@@ -47,7 +47,7 @@ impl PlacedImage {
     }
 
     /// Whether u goes around an axis.
-    pub(super) fn goes_round(&self) -> bool {
+    pub(in crate::shade) fn goes_round(&self) -> bool {
         !matches!(self.surface, ImageSurface::Plane)
     }
 
@@ -59,7 +59,7 @@ impl PlacedImage {
     /// - cylinder: (½ + atan2(x, z) / 2π, ½ + y / height).
     ///
     /// On the axis, where the angle is undefined, u is ½; in the centre of a sphere v is ½ as well.
-    pub(super) fn at(&self, point: DVec3) -> DVec2 {
+    pub(in crate::shade) fn at(&self, point: DVec3) -> DVec2 {
         let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let turn = || 0.5 + math::atan2(x, z) / TAU;
         match self.surface {
@@ -75,7 +75,7 @@ impl PlacedImage {
 
 impl PlacedImage {
     /// The derivative of [`PlacedImage::at`] along a step; infinite or NaN where it is undefined.
-    pub(super) fn along(&self, point: DVec3, step: DVec3) -> DVec2 {
+    pub(in crate::shade) fn along(&self, point: DVec3, step: DVec3) -> DVec2 {
         let [x, y, z] = self.axes.map(|axis| (point - self.center).dot(axis));
         let [dx, dy, dz] = self.axes.map(|axis| step.dot(axis));
         let squared = x * x + z * z;

@@ -1,17 +1,17 @@
 //! How textures are mapped to objects and triangles.
 
-use super::TextureProjection;
-use super::facet::{Mapping, unit};
 use super::per_triangle::laid;
 use super::photograph::Photographed;
 use super::placed_image::PlacedImage;
 use super::triplanar::Triplanar;
 use crate::scene::{Object, Projector};
+use crate::shade::TextureProjection;
+use crate::shade::facet::{Mapping, unit};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 /// What all triangles of an object share.
 #[derive(Clone, Debug)]
-pub(super) enum ObjectMapping {
+pub(in crate::shade) enum ObjectMapping {
     /// By the mesh's texture coordinates.
     Uv,
     /// Each triangle laid flat into the image.
@@ -27,7 +27,7 @@ pub(super) enum ObjectMapping {
 impl ObjectMapping {
     /// An object's mapping: its own, else by `projection`. `None` where its projector or photograph is invalid.
     /// Corners in world space are relative to `origin`.
-    pub(super) fn new(
+    pub(in crate::shade) fn new(
         object: &Object,
         projection: TextureProjection,
         origin: DVec3,
@@ -57,7 +57,7 @@ impl ObjectMapping {
 
     /// The mapping of one triangle, whose corners `in_world` gives; `None` where it has no texture coordinates or no
     /// image.
-    pub(super) fn on(
+    pub(in crate::shade) fn on(
         &self,
         object: &Object,
         triangle: u32,
