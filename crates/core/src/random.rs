@@ -1,5 +1,6 @@
 //! Pseudorandom numbers for tests.
 
+use crate::math;
 use glam::DVec3;
 
 /// A small generator with a fixed seed: splitmix64 (Steele, Lea, Flood, "Fast Splittable Pseudorandom
@@ -22,6 +23,11 @@ impl Random {
     /// Uniform in −1..1.
     pub(crate) fn signed(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// A power of ten whose exponent is uniform in least..most.
+    pub(crate) fn decades(&mut self, least: f64, most: f64) -> f64 {
+        math::pow(10.0, least + (most - least) * self.unit())
     }
 
     /// Each coordinate uniform in −1..1.

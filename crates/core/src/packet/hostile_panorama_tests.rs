@@ -16,10 +16,6 @@ fn any(random: &mut Random, count: usize) -> usize {
 }
 
 /// A number of a random magnitude between two powers of ten.
-fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
-    math::pow(10.0, least + (most - least) * random.unit())
-}
-
 /// A position where a picture ends, folds, or is stitched.
 fn odd_place(random: &mut Random, panorama: Panorama) -> (f64, f64) {
     let sign = [-1.0, 1.0][any(random, 2)];
@@ -31,7 +27,7 @@ fn odd_place(random: &mut Random, panorama: Panorama) -> (f64, f64) {
         ][any(random, 3)],
         Panorama::Cylindrical => [
             (sign * PI, random.signed() * 2.0),
-            (random.signed() * PI, sign * decades(random, 0.0, 4.0)),
+            (random.signed() * PI, sign * random.decades(0.0, 4.0)),
         ][any(random, 2)],
         Panorama::Equidistant | Panorama::Equisolid | Panorama::Stereographic => {
             let radius = match panorama {
@@ -65,7 +61,7 @@ fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lat
     // Powers of two make positions exact.
     let step = match any(random, 2) {
         0 => math::pow(2.0, -1.0 - (random.unit() * 9.0).floor()),
-        _ => decades(random, -7.0, -0.3),
+        _ => random.decades(-7.0, -0.3),
     };
     let half = |place: f64| ((place.abs() / step).ceil() as u32).min(1 << 30) + 20;
     let odd = any(random, 2) as u32;
@@ -104,9 +100,9 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
     let [column, row] = [lattice.columns, lattice.rows].map(|count| any(random, count as usize));
     let ray = lattice.ray(column as u32, row as u32);
     let pitch = camera.plane().step / camera.distance();
-    let depth = decades(random, -2.0, 2.0);
+    let depth = random.decades(-2.0, 2.0);
     let at = eye + ray.direction * depth;
-    let size = depth * (pitch * decades(random, -1.0, 1.5)).min(1.0);
+    let size = depth * (pitch * random.decades(-1.0, 1.5)).min(1.0);
     let near = |random: &mut Random| at + random.point() * size;
     match any(random, 8) {
         // About as large as a pixel, or with a corner on a ray.
@@ -125,7 +121,7 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
         }
         // Around the eye, or far beyond the scene.
         4 => {
-            let far = decades(random, 0.0, 6.0);
+            let far = random.decades(0.0, 6.0);
             [(); 3].map(|()| eye + random.point() * far)
         }
         // In a plane through the eye except for rounding.
@@ -136,7 +132,7 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
         }
         // Beside the eye, or around it.
         6 => {
-            let close = decades(random, -9.0, -1.0);
+            let close = random.decades(-9.0, -1.0);
             [(); 3].map(|()| eye + random.point() * close)
         }
         // From behind the eye to in front of it.
@@ -149,7 +145,7 @@ fn placement(random: &mut Random) -> Placement {
     let frame = [DVec3::ZERO, random.point() * 1e6][any(random, 2)];
     let way = match any(random, 3) {
         0 => [DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y][any(random, 3)],
-        _ => random.point() * decades(random, -3.0, 3.0),
+        _ => random.point() * random.decades(-3.0, 3.0),
     };
     Placement::towards(frame, frame + way)
 }

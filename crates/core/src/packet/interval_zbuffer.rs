@@ -21,6 +21,7 @@ use super::ray_box::RayBox;
 use super::rivals::Rivals;
 use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
+use crate::num::choice::lesser;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 pub(crate) use provisional::SmallOutcome;
 use sure_hits::SureHits;
@@ -293,9 +294,4 @@ fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
         of(bits.trailing_zeros() as usize);
         bits &= bits - 1;
     }
-}
-
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }

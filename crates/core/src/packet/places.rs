@@ -43,6 +43,7 @@ use super::place_box::PlaceBox;
 use super::setup::PacketSpace;
 use crate::camera::{Camera, FLATTEST, ImagePlane, LensPatch, PanoramaRays, PlaceScale, Rect};
 use crate::hit::Cull;
+use crate::num::choice::{greater, lesser};
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes};
 pub(super) use bounds::first_of;
@@ -464,16 +465,6 @@ fn extremes(numbers: &[f64; RAYS]) -> (f64, f64) {
         ends = (lesser(least[lane], ends.0), greater(most[lane], ends.1));
     }
     ends
-}
-
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]

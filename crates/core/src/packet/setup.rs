@@ -14,7 +14,7 @@
 //! by more than the higher orders.
 //!
 //! * **T.** Perspective: a and b are the steps from ray to ray along columns and rows, s their length, d the
-//!   direction at (0, 0), D the distance to the target, and B = max(|across| + |along| + D) over the packet. T is
+//!   direction at (0, 0), D the distance to the target, and B = greater(|across| + |along| + D) over the packet. T is
 //!   D times the inverse of the matrix (a, b, d). Its rows are D·(b×d), D·(d×a) and D·(a×b) over the determinant
 //!   s²D: the first two at most K = B/s long, the third 1. The camera's axes need be perpendicular only to
 //!   10⁻⁶. A component of d is off by 6εB, of a cross product by 6εsB, the quotient by 3ε of itself: rows are off
@@ -54,6 +54,7 @@ mod space;
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
 use crate::hit::Cull;
+use crate::num::choice::{greater, lesser};
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
 use crate::triangle::CornerLanes;
@@ -138,7 +139,7 @@ impl PacketSpace {
         let [e, f, g] = edges.map(Linear::slope);
         Some((
             edges,
-            self.edge_error(&size) + self.ray_error * max(max(e, f), g),
+            self.edge_error(&size) + self.ray_error * greater(greater(e, f), g),
         ))
     }
 
@@ -176,9 +177,9 @@ impl PacketSpace {
             let edges = edges.map(|edge| edge.moved(&span));
             let [e0, e1, e2] = edges;
             let sizes = [e0.size(&span), e1.size(&span), e2.size(&span)];
-            let magnitude = max(max(sizes[0], sizes[1]), sizes[2]);
-            let least = min(min(sizes[0], sizes[1]), sizes[2]);
-            let steepest = max(max(e0.slope(), e1.slope()), e2.slope());
+            let magnitude = greater(greater(sizes[0], sizes[1]), sizes[2]);
+            let least = lesser(lesser(sizes[0], sizes[1]), sizes[2]);
+            let steepest = greater(greater(e0.slope(), e1.slope()), e2.slope());
             let unit = 1.0 / magnitude;
             let edge_error = self.edge_error(&size) + self.ray_error * steepest;
             let edge_error = (edge_error * unit + LINEAR_ERROR) * 1.001;
@@ -221,14 +222,21 @@ impl PacketSpace {
     #[inline(always)]
     fn size_of(&self, triangle: &PacketTriangle) -> Magnitudes {
         let PacketTriangle { a, b, c, u, v, .. } = *triangle;
-        let reach = max(max3(a[0], b[0], c[0]), max3(a[1], b[1], c[1]));
-        let depth = max3(a[2], b[2], c[2]);
+        let reach = greater(
+            greatest_of_three(a[0], b[0], c[0]),
+            greatest_of_three(a[1], b[1], c[1]),
+        );
+        let depth = greatest_of_three(a[2], b[2], c[2]);
         Magnitudes {
             reach,
             depth,
             // Differences of b and c are at most the sum of these.
-            wide: 2.0 * max(max(u[0].abs(), u[1].abs()), max(v[0].abs(), v[1].abs())),
-            deep: 2.0 * max(u[2].abs(), v[2].abs()),
+            wide: 2.0
+                * greater(
+                    greater(u[0].abs(), u[1].abs()),
+                    greater(v[0].abs(), v[1].abs()),
+                ),
+            deep: 2.0 * greater(u[2].abs(), v[2].abs()),
             delta: self.delta(reach, depth),
         }
     }
@@ -462,18 +470,8 @@ impl Linear {
     }
 }
 
-#[inline(always)]
-fn min(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn max(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
 /// The greatest magnitude of three.
 #[inline(always)]
-fn max3(a: f64, b: f64, c: f64) -> f64 {
-    max(max(a.abs(), b.abs()), c.abs())
+fn greatest_of_three(a: f64, b: f64, c: f64) -> f64 {
+    greater(greater(a.abs(), b.abs()), c.abs())
 }

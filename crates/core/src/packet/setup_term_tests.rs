@@ -8,7 +8,6 @@ use super::setup::PacketSpace;
 use super::setup_tests::{Tally, camera, check_aside, check_one, lanes_of, space};
 use crate::camera::{Camera, ImagePlane, Placement, Projection};
 use crate::hit::Cull;
-use crate::math;
 use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
 use crate::triangle::exact::PlacedTriangle;
@@ -22,10 +21,6 @@ const ALL: RayBox = RayBox {
 };
 
 /// 10 to a random power between two.
-fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
-    math::pow(10.0, least + (most - least) * random.unit())
-}
-
 fn camera_at(eye: DVec3, target: DVec3, projection: Projection, pitch: f64) -> Camera {
     let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
     let up = DVec3::new(0.3, 1.0, 0.1);
@@ -46,8 +41,8 @@ fn depth_keys_next_to_the_image_plane_are_within_their_bounds() {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
         let way = (b - a).cross(c - a).normalize() + random.point() * 0.3;
-        let eye = tree_origin + inside + way * (decades(&mut random, -9.0, -6.0) * random.signed());
-        let pitch = decades(&mut random, -11.0, -7.0);
+        let eye = tree_origin + inside + way * (random.decades(-9.0, -6.0) * random.signed());
+        let pitch = random.decades(-11.0, -7.0);
         let camera = camera_at(eye, eye - way * 5.0, Projection::Orthographic, pitch);
         check_one(&mut random, &camera, tree_origin, corners, &mut tally);
     }
@@ -109,7 +104,7 @@ fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure()
         let right = forward.cross(random.point()).normalize();
         let up = right.cross(forward);
         let column = 1e-3;
-        let ratio = decades(&mut random, 2.5, 3.3);
+        let ratio = random.decades(2.5, 3.3);
         let diagonal = right - up;
         // Rays start at the origin. The first one runs along the far corners.
         let far = forward * ratio;
@@ -124,7 +119,7 @@ fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure()
             up,
         };
         let camera = Camera::new(placement, Projection::Perspective, plane);
-        let off = column * decades(&mut random, -4.0, -2.5);
+        let off = column * random.decades(-4.0, -2.5);
         let eye = (right + up + forward * random.signed()) * (off * 0.5 * random.signed());
         let packet = (SIDE as u32, SIDE as u32);
         let space = PacketSpace::new(&camera, eye, off, (0.5, 0.5), 1.0, packet, Cull::None);
@@ -146,7 +141,7 @@ fn depth_keys_of_slivers_square_to_the_rays_are_within_their_bounds() {
         let aside = DVec3::new(-line.y, line.x, 0.0);
         let long = (200.0 + 800.0 * random.unit()).round();
         let other = (long * (0.5 + 0.4 * random.unit())).round();
-        let thin = decades(&mut random, -6.0, -1.0);
+        let thin = random.decades(-6.0, -1.0);
         let at =
             |along: f64, turn: f64| -(aside * along + DVec3::Z * (length * along * (1.0 + turn)));
         // Differences from the first corner have more bits than single precision.
@@ -177,12 +172,12 @@ fn depth_keys_of_planes_along_the_rays_are_within_their_bounds() {
     let mut random = Random(88);
     let mut tally = Tally::default();
     for _ in 0..3000 {
-        let beside = decades(&mut random, -14.0, -8.0);
+        let beside = random.decades(-14.0, -8.0);
         let eye = random.point() * beside;
         let a = random.point() * beside;
         let [b, c] = [(); 2].map(|()| random.point());
         let target = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
-        let pitch = decades(&mut random, -17.0, -10.0);
+        let pitch = random.decades(-17.0, -10.0);
         let camera = camera_at(eye, target, Projection::Perspective, pitch);
         let corners = [a, b, c].map(DVec3::as_vec3);
         check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
@@ -198,7 +193,7 @@ fn depth_keys_along_parallel_rays_are_within_their_bounds() {
     let mut tally = Tally::default();
     for _ in 0..6000 {
         let line = line(&mut random);
-        let wide = decades(&mut random, -12.0, -3.0);
+        let wide = random.decades(-12.0, -3.0);
         let mut at = |along: f64| {
             let along = line * (random.unit() * along).round();
             (along + DVec3::Z * (wide * random.signed())).as_vec3()
@@ -207,10 +202,10 @@ fn depth_keys_along_parallel_rays_are_within_their_bounds() {
         // Rays start close to the first corner, and run almost along the others.
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let inside = (a + b + c) / 3.0;
-        let off_edge = DVec3::new(-line.y, line.x, 0.0) * decades(&mut random, -14.0, -6.0);
+        let off_edge = DVec3::new(-line.y, line.x, 0.0) * random.decades(-14.0, -6.0);
         let way = line + off_edge;
         let eye = inside - way * (inside.dot(line) / line.length_squared());
-        let pitch = wide * decades(&mut random, -16.0, -3.0);
+        let pitch = wide * random.decades(-16.0, -3.0);
         let camera = camera_at(eye, eye + way, Projection::Orthographic, pitch);
         check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
     }
@@ -224,7 +219,7 @@ fn depth_keys_that_underflow_are_within_their_bounds() {
     let mut random = Random(90);
     let mut tally = Tally::default();
     for _ in 0..2000 {
-        let size = decades(&mut random, -44.0, -38.0);
+        let size = random.decades(-44.0, -38.0);
         let corners = [(); 3].map(|()| (random.point() * (size * 10.0)).as_vec3());
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
@@ -243,9 +238,9 @@ fn rays_beside_their_places_are_within_the_bounds() {
     let mut random = Random(91);
     let mut tally = Tally::default();
     for _ in 0..1000 {
-        let pitch = decades(&mut random, -4.0, -2.0);
+        let pitch = random.decades(-4.0, -2.0);
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, pitch);
-        let ray_error = decades(&mut random, -3.0, -1.0);
+        let ray_error = random.decades(-3.0, -1.0);
         let mut space: PacketSpace = space(&camera, DVec3::ZERO, Cull::None);
         space.ray_error = ray_error;
         space.rays.greatest *= ray_error / (20.0 * 1.1e-16 * camera.distance() / pitch);

@@ -1,5 +1,6 @@
 //! Edge functions of a triangle along one ray, in double precision, with bounds on their errors.
 
+use crate::num::choice::greater;
 use crate::num::roundoff::EPSILON;
 
 /// The largest relative error of a weight, in units of the weights' sum, that still rounds well to single precision:
@@ -169,9 +170,4 @@ impl Point {
     pub(super) fn is_single(&self) -> bool {
         self.t_error <= 1.0 / (1u64 << 27) as f64 * self.t.abs()
     }
-}
-
-#[inline(always)]
-pub(super) fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }

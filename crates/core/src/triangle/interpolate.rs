@@ -5,8 +5,9 @@
 //! bits are the same.
 
 use super::corner_lanes::CornerLanes;
-use super::edges::{Edges, axes, greater, major_axis};
+use super::edges::{Edges, axes, major_axis};
 use crate::camera::{Camera, EightDirections, Lattice, Projection};
+use crate::num::choice::greater;
 use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 

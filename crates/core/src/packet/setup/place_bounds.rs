@@ -13,7 +13,8 @@
     reason = "a lane is an index into all the arrays at once"
 )]
 
-use super::{LANES, PacketSpace, max, max3};
+use super::{LANES, PacketSpace, greatest_of_three};
+use crate::num::choice::{greater, lesser};
 use crate::num::simd::F32x8;
 use crate::packet::place_box::PlaceBox;
 use crate::triangle::CornerLanes;
@@ -83,8 +84,11 @@ impl PacketSpace {
         let margin = 2.0 * self.ray_error;
         let mut behind = [false; LANES];
         for l in 0..LANES {
-            let reach = max(max3(ax[l], bx[l], cx[l]), max3(ay[l], by[l], cy[l]));
-            let delta = self.delta(reach, max3(az[l], bz[l], cz[l]));
+            let reach = greater(
+                greatest_of_three(ax[l], bx[l], cx[l]),
+                greatest_of_three(ay[l], by[l], cy[l]),
+            );
+            let delta = self.delta(reach, greatest_of_three(az[l], bz[l], cz[l]));
             let front = least(az[l], bz[l], cz[l]);
             // No number is NaN: eyes and corners are far within range (`FURTHEST` in `places`).
             let is_clear = front > LEAST_DEPTH_RATIO * delta;
@@ -113,13 +117,12 @@ impl PacketSpace {
 
 #[inline(always)]
 fn least(a: f64, b: f64, c: f64) -> f64 {
-    let least = if a < b { a } else { b };
-    if least < c { least } else { c }
+    lesser(lesser(a, b), c)
 }
 
 #[inline(always)]
 fn most(a: f64, b: f64, c: f64) -> f64 {
-    max(max(a, b), c)
+    greater(greater(a, b), c)
 }
 
 #[cfg(test)]
@@ -127,16 +130,11 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, ImagePlane, Placement, Projection};
     use crate::hit::Cull;
-    use crate::math;
     use crate::packet::setup_tests::{lanes_of, space};
     use crate::random::Random;
     use crate::ray::Ray;
     use crate::triangle::exact::{self, PlacedTriangle};
     use glam::{DVec3, Vec3};
-
-    fn decades(random: &mut Random, least: f64, most: f64) -> f64 {
-        math::pow(10.0, least + (most - least) * random.unit())
-    }
 
     /// Checks that a hit's ray has its place within the bounds, and that the hit is no nearer than the bounds say.
     /// Returns whether the ray hits.
@@ -203,13 +201,13 @@ mod tests {
             };
             let a = (middle + random.point() * 1000.0).as_vec3();
             let way = random.point().normalize();
-            let distance = decades(&mut random, -3.3, 3.0);
+            let distance = random.decades(-3.3, 3.0);
             let eye = tree_origin + a.as_dvec3() - way * distance;
             let [b, c] = [(); 2].map(|()| {
                 let out = random.point() * 100.0 + way * 200.0;
                 (a.as_dvec3() + out).as_vec3()
             });
-            let pitch = distance * decades(&mut random, -10.0, -3.0);
+            let pitch = distance * random.decades(-10.0, -3.0);
             let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
             let placement = Placement::towards(eye, tree_origin + a.as_dvec3());
             let camera = Camera::new(placement, Projection::Perspective, plane);
@@ -260,7 +258,7 @@ mod tests {
             let unit = 2f64.powi(-28);
             let eye = DVec3::new(x, 0.0, 0.0);
             let way = DVec3::new(random.unit(), random.signed(), random.signed()).normalize();
-            let far = decades(&mut random, 0.0, 2.0);
+            let far = random.decades(0.0, 2.0);
             let corners = [(); 3].map(|()| {
                 let aside = DVec3::new(0.0, random.signed(), random.signed()) * unit * far;
                 (DVec3::X * x + aside).as_vec3()
