@@ -554,3 +554,46 @@ fn faults_are_looked_at_one_by_one_while_the_mesh_is_the_same() {
         "numbers have changed hands"
     );
 }
+
+#[test]
+fn a_fault_behind_something_is_looked_at_from_where_it_is_seen() {
+    let mut state = opened(2);
+    // A large triangle between the camera and the second object.
+    let mut scene = Scene::clone(&document(&state).scene);
+    scene.objects[0].transform = Transform {
+        translate: DVec3::new(-10.0, -10.0, 1.0),
+        scale: DVec3::splat(40.0),
+        ..Transform::default()
+    };
+    let scene = Arc::new(scene);
+    if let Some(document) = &mut state.document {
+        document.accel = tree(&scene).accel;
+        document.built = Arc::clone(&scene);
+        document.scene = scene;
+    }
+    update(&mut state, Command::Look(StandardView::Front));
+    let mesh = Arc::clone(&document(&state).scene.objects[1].mesh);
+    let health = Arc::new(raycast_core::health::check(&mesh, &|_| true).expect("it goes on"));
+    let checked = Checked {
+        object: 1,
+        mesh,
+        health,
+        intersections: None,
+    };
+    receive(&mut state, News::Checked(vec![checked]), Duration::ZERO);
+    let edge = DVec3::new(2.5, 0.5, 0.0);
+    assert_eq!(state.hidden(&[edge]), [true]);
+    let shown = |index| Shown {
+        object: 1,
+        fault: Fault::OpenEdges,
+        index,
+    };
+    update(&mut state, Command::ShowFault(Some(shown(2))));
+    assert_eq!(state.hidden(&[edge]), [false]);
+    // The next fault is seen from there, too: nothing turns.
+    let turned = state.viewpoint.orbit;
+    assert_ne!((turned.yaw, turned.pitch), (0.0, 0.0));
+    update(&mut state, Command::ShowFault(Some(shown(1))));
+    let again = state.viewpoint.orbit;
+    assert_eq!((again.yaw, again.pitch), (turned.yaw, turned.pitch));
+}
