@@ -21,6 +21,8 @@
 //! * **Rounding.** A step's end is off by 460ε as Newton's are, with half of that more from the step's own rounding; times
 //!   20/16, with the places' own 4ε and those of the ray's direction, 720ε: below 2000ε, which is less than a quarter of the
 //!   least tolerance and is set aside.
+//! * **Dominated terms.** Where interpolation serves, extrapolation does, too, and leaves steps that are shorter than their
+//!   limit needs: it and r close the proof, and no test needs them.
 
 use super::brown_conrady::BrownConrady;
 use super::lens_region::{LensRegion, Near};

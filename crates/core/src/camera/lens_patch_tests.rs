@@ -7,6 +7,17 @@ use crate::random::Random;
 
 const SIDE: usize = 32;
 
+/// Lenses of all kinds, and such that are only decentred: their third and fourth derivatives are zero, those of their
+/// inverses are not.
+fn all_lenses() -> impl Iterator<Item = BrownConrady> {
+    let mut random = Random(54);
+    let decentred = (0..100).map(move |_| {
+        let [p1, p2] = [(); 2].map(|()| 0.3 * random.signed());
+        BrownConrady::new([0.0, 0.0, p1, p2, 0.0]).expect("finite")
+    });
+    lenses().chain(decentred)
+}
+
 /// Places of a rectangle of at most [`SIDE`] columns and rows.
 struct Rectangle {
     columns: Vec<f64>,
@@ -20,7 +31,7 @@ impl Rectangle {
     fn random(random: &mut Random, step: f64) -> Self {
         let [width, height] = [(); 2].map(|()| match random.unit() < 0.5 {
             true => SIDE,
-            false => 2 + (random.unit() * (SIDE - 1) as f64) as usize,
+            false => 2 + random.decades(0.0, 1.5) as usize % (SIDE - 1),
         });
         let (left, first) = (1.2 * random.signed(), 0.8 * random.signed());
         let column = |column: usize| left + step * column as f64;
@@ -54,14 +65,14 @@ impl Rectangle {
     }
 }
 
-/// Both ways: interpolated, and every row by itself. Without the bound of interpolation, or of the steps' lengths, this fails.
+/// Both ways: interpolated, and every row by itself. Without the bound of interpolation this fails.
 #[test]
 fn places_are_within_the_tolerance_of_their_directions() {
     let mut random = Random(51);
     let (mut found, mut interpolated, mut worst) = (0, 0, 0.0_f64);
-    for lens in lenses() {
+    for lens in all_lenses() {
         for _ in 0..40 {
-            let step = math::pow(10.0, -1.6 - 3.0 * random.unit());
+            let step = random.decades(-4.0, -1.0);
             let rectangle = Rectangle::random(&mut random, step);
             let Some(patch) = rectangle.patch(&lens, None) else {
                 continue;
@@ -104,7 +115,7 @@ fn places_are_within_the_tolerance_of_their_directions() {
         }
     }
     let tried = found > 1000 && interpolated > 500 && found - interpolated > 100;
-    assert!(tried && worst > 0.02, "{found} {interpolated} {worst}");
+    assert!(tried && worst > 0.1, "{found} {interpolated} {worst}");
 }
 
 /// Windows contain the directions of patches of any size, and are little wider than these; also of those in a larger one.
@@ -112,9 +123,9 @@ fn places_are_within_the_tolerance_of_their_directions() {
 fn windows_contain_the_directions_of_their_places() {
     let mut random = Random(52);
     let (mut count, mut closest) = (0, 0.0_f64);
-    for lens in lenses() {
+    for lens in all_lenses() {
         for _ in 0..40 {
-            let step = math::pow(10.0, -1.0 - 3.0 * random.unit());
+            let step = random.decades(-4.0, -1.0);
             let rectangle = Rectangle::random(&mut random, step);
             let Some(mut patch) = rectangle.patch(&lens, None) else {
                 continue;
@@ -150,10 +161,10 @@ fn windows_contain_the_directions_of_their_places() {
 fn fourth_derivatives_are_no_less_than_differences_of_directions() {
     let mut random = Random(53);
     let (mut count, mut closest) = (0, 0.0_f64);
-    for lens in lenses() {
+    for lens in all_lenses() {
         for _ in 0..40 {
             // Steps as long as rounding, 2⁴ε/h⁴, leaves something to see.
-            let step = math::pow(10.0, -1.5 - 0.5 * random.unit());
+            let step = random.decades(-2.0, -1.5);
             let (x, y) = (1.2 * random.signed(), 0.8 * random.signed());
             let reach = 2.0 * step;
             let (across, along) = ((x - reach, x + reach), (-y - reach, -y + reach));
