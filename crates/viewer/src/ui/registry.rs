@@ -66,7 +66,7 @@ pub fn pressed(
     let action = actions().find(|action| keymap.has(action, is_typing, key, modifiers))?;
     match (action.applies)(state) {
         true => Some((action.command)(state)),
-        false => (!action.lacks.is_empty()).then(|| Command::Tell(action.lacks)),
+        false => (!action.lacks.is_empty()).then_some(Command::Tell(action.lacks)),
     }
 }
 
