@@ -8,8 +8,8 @@
 //!
 //! * **The disc.** With R = 1.5βρ, L a bound of ‖D²f‖ within R of m, and q = βLR ≤ ⅓, the map x ↦ x − J(m)⁻¹(f(x) − to)
 //!   contracts the disc of radius R about m by q, and maps m no further than βρ ≤ (1 − q)R: g(to) is in the disc. There
-//!   ‖J⁻¹‖ ≤ β' = β/(1 − q). These are the rays' directions: both are one in the middle, both are continuous, and no two
-//!   directions near one are seen at one place.
+//!   ‖J⁻¹‖ ≤ β' = β/(1 − q). These are the rays' directions, which the region knows: the two agree in the middle, both
+//!   depend continuously on the place, and f is one to one near each of them, so that they agree everywhere.
 //! * **The window.** g(middle + h) differs from m + Dg·h by at most ½Lβ'³|h|².
 //! * **Chord steps.** c is near the directions of a block of the rectangle, and A = J(c)⁻¹. For x within r of c and a step
 //!   σ = A(f(x) − to) with |σ| ≤ ½r(1 − κ), κ = β'L·1.5r, the map x ↦ x − A(f(x) − to) contracts the disc of radius 1.5r
@@ -28,8 +28,8 @@ use super::brown_conrady::BrownConrady;
 use super::lens_region::{LensRegion, Near};
 use crate::num::simd::LANES;
 
-/// How far off directions may be, as a share of the distance of neighbouring rows of places: 2⁻¹⁶, a twelfth of what edge
-/// functions are off by in columns. With a lesser share more packets take Newton's steps for every ray; a greater one shows
+/// How far off directions may be, as a share of the distance of neighbouring rows of places: 2⁻¹⁶ = 256u, a sixth of what
+/// rounding moves an edge function by in columns (48u of a sum of magnitudes, of up to 32 slopes: 1536u). With a lesser share more packets take Newton's steps for every ray; a greater one shows
 /// in the kernel's error bounds.
 const TOLERANCE: f64 = 1.0 / (1 << 16) as f64;
 
@@ -48,7 +48,8 @@ const ROWS_BESIDE: f64 = 4.0;
 const BLOCKS: usize = 16;
 const STRIPS: usize = 4;
 
-/// Chord steps of the first rows of nodes, which less is extrapolated to; later rows take one.
+/// Chord steps of the first rows of nodes, which less is extrapolated to; later rows take one. With fewer, more packets take
+/// Newton's steps for every ray; with more, time is lost where these suffice.
 const FIRST_STEPS: [usize; 4] = [4, 3, 3, 2];
 
 /// The directions of a rectangle of places, to the right and down.
@@ -173,6 +174,7 @@ impl LensPatch {
         scale: &PlaceScale,
         (out_x, out_y): (&mut [f32], &mut [f32]),
     ) -> bool {
+        const { assert!(SIDE == STRIPS * LANES) };
         let (Some(smooth), Some(tolerance)) = (self.smooth, self.tolerance(places.step)) else {
             return false;
         };
@@ -256,6 +258,7 @@ impl LensPatch {
         let squared = step * step;
         let by_interpolation = 0.375 * squared * squared * smooth.fourth;
         // Interpolation must leave a third of the tolerance; the last quarter is rounding's.
+        // A packet's 19 or 32 rows of nodes make four blocks.
         let (every, nodes, each) = if by_interpolation <= 0.42 * tolerance {
             (2, 5, (0.75 * tolerance - by_interpolation) / 1.25)
         } else {

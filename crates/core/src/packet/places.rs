@@ -76,6 +76,13 @@ const MARGIN: f64 = 0.5;
 /// The distance of the first and the last place: SIDE − 1 columns less both margins.
 const EXTENT: f64 = (SIDE - 1) as f64 - 2.0 * MARGIN;
 
+/// More than rounding to single precision moves a place, in columns: 2⁻¹⁹.
+const ROUNDED: f64 = 1.0 / (1 << 16) as f64;
+
+/// How far off places may be, in columns, apart from rounding: 512u, a third of what rounding moves an edge function by.
+/// With a greater number more rays are left undecided; with a lesser one more packets take Newton's steps for each ray.
+const MOST_BESIDE: f64 = 1.0 / (1 << 15) as f64;
+
 /// The greatest coordinate of a place in a picture, in radians at its middle, and of an eye, for which packets are
 /// made. Rays beyond are cast one by one. The longest direction is that of a stereographic fisheye, 1 + ρ²/4, below
 /// 10¹⁰⁰, whose square is finite; and no number of a set-up, all products of four corners at most, is infinite or
@@ -441,13 +448,6 @@ fn fill<T: Copy, const N: usize>(has_ray: &[u32; SIDE], from: usize, mut all: [&
         }
     }
 }
-
-/// More than rounding to single precision moves a place, in columns: 2⁻¹⁹.
-const ROUNDED: f64 = 1.0 / (1 << 16) as f64;
-
-/// How far off places may be, in columns, apart from rounding: a sixth of what edge functions' own errors amount to. With
-/// a greater number more rays are left undecided; with a lesser one more packets take Newton's steps for each ray.
-const MOST_BESIDE: f64 = 1.0 / (1 << 15) as f64;
 
 /// The least and the greatest of some numbers.
 #[inline(always)]

@@ -65,7 +65,7 @@ fn corners(state: &State, shown: Shown) -> Option<Vec<DVec3>> {
 fn unhidden(state: &mut State, from: Viewpoint, point: DVec3) -> Viewpoint {
     let turned = |yaw: i32, pitch: i32| {
         let mut to = from;
-        to.orbit.yaw += f64::from(yaw) * TURN;
+        to.orbit.turn(f64::from(yaw) * TURN, 0.0);
         to.orbit.pitch = f64::from(pitch) * TURN;
         to
     };
