@@ -1,19 +1,13 @@
+use super::distortion::{Distortion, FLATTEST, STEPS};
+use super::lens_region::{LensRegion, convergence_radius};
 use crate::ranges::{self, OutOfRange};
 use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// Newton steps. Each doubles the number of correct digits, from a start that is off by the distortion itself; five
-/// or six suffice for calibrated lenses. Where the distortion folds back, a step halves the error at worst; fewer
-/// steps than 12 would lose such directions, more would only repeat roundings.
-pub(super) const STEPS: usize = 12;
-
 /// The largest last step, relative to the place or to one, of an iteration that converged: with a thousand pixels a
 /// radian, a millionth of a pixel. Iterations that do not converge end far from that.
 const ARRIVED: f64 = 1e-9;
-
-/// The squared tangent up to which a distortion that never folds back is used: to 89.9 degrees off the view axis.
-const WIDEST: f64 = 1e6;
 
 /// The distortion of a calibrated lens, in OpenCV's order k1, k2, p1, p2, k3: Brown, "Decentering Distortion of
 /// Lenses", 1966; Conrady, "Decentred Lens-Systems", 1919.
@@ -29,10 +23,12 @@ const WIDEST: f64 = 1e6;
 /// r⁴ + k3 r⁶) stops rising: beyond that radius the lens would show everything twice.
 #[derive(Clone, Copy, Debug)]
 pub struct BrownConrady {
-    coefficients: [f64; 5],
-    /// The squared radius at which the distorted radius stops rising.
-    end: f64,
+    pub(super) distortion: Distortion,
     pub(super) well_behaved: WellBehaved,
+    /// The radius of places up to which Newton's steps surely converge to the one direction that is seen.
+    pub(super) convergence: f64,
+    /// The radius of places beyond which none is seen.
+    rim: f64,
 }
 
 /// Why there is no such lens.
@@ -53,29 +49,31 @@ impl BrownConrady {
     /// A coefficient out of its range, [`ranges::lens`].
     pub fn new(coefficients: [f64; 5]) -> Result<Self, LensError> {
         let coefficients = ranges::lens(coefficients)?;
-        let end = fold(coefficients);
+        let distortion = Distortion::new(coefficients);
+        let well_behaved = WellBehaved::new(coefficients, distortion.end);
         Ok(Self {
-            coefficients,
-            end,
-            well_behaved: WellBehaved::new(coefficients, end),
+            distortion,
+            well_behaved,
+            convergence: convergence_radius(&distortion, well_behaved.radius),
+            rim: rim(&distortion),
         })
     }
 
     /// k1, k2, p1, p2, k3.
     pub fn coefficients(&self) -> [f64; 5] {
-        self.coefficients
+        self.distortion.coefficients
     }
 
     /// The tangent of the angle from the view axis at which the picture ends.
     pub fn end(&self) -> f64 {
-        self.end.sqrt()
+        self.distortion.end.sqrt()
     }
 
     /// The place at which a direction (x, y, 1), to the right, down and forward, is seen; `None` beyond the lens's
     /// end.
     pub fn distort(&self, x: f64, y: f64) -> Option<(f64, f64)> {
-        (x * x + y * y < self.end).then(|| {
-            let at = self.at(x, y);
+        (x * x + y * y < self.distortion.end).then(|| {
+            let at = self.distortion.at(x, y);
             (at.x, at.y)
         })
     }
@@ -105,7 +103,7 @@ impl BrownConrady {
         for step in 0..STEPS {
             let last = [x, y];
             for lane in 0..N {
-                let at = self.at(x[lane], y[lane]);
+                let at = self.distortion.at(x[lane], y[lane]);
                 let (off_x, off_y) = (at.x - to_x[lane], at.y - to_y[lane]);
                 let inverse = 1.0 / at.determinant();
                 x[lane] -= (at.yy * off_x - at.xy * off_y) * inverse;
@@ -131,10 +129,10 @@ impl BrownConrady {
     ) -> [bool; N] {
         let mut has = [false; N];
         for lane in 0..N {
-            let at = self.at(x[lane], y[lane]);
+            let at = self.distortion.at(x[lane], y[lane]);
             let size = 1.0 + to_x[lane].abs() + to_y[lane].abs();
             let off = (at.x - to_x[lane]).abs() + (at.y - to_y[lane]).abs();
-            let is_inside = x[lane] * x[lane] + y[lane] * y[lane] < self.end;
+            let is_inside = x[lane] * x[lane] + y[lane] * y[lane] < self.distortion.end;
             // NaN fails these comparisons.
             has[lane] = (off <= ARRIVED * size) & is_inside & (at.determinant() > 0.0);
         }
@@ -143,36 +141,69 @@ impl BrownConrady {
 
     /// Whether the picture has the place `a` to the right of and `b` above its middle.
     pub(super) fn has_place(&self, a: f64, b: f64) -> bool {
-        self.is_well_behaved(a, b) || self.direction(a, b).is_some()
+        let is_sure = self.surely_has_place(a, b) || self.surely_lacks(a, b);
+        match is_sure {
+            true => self.surely_has_place(a, b),
+            false => self.direction(a, b).is_some(),
+        }
     }
 
     /// As [`Self::has_place`], for several places at one height.
     pub(super) fn has_places<const N: usize>(&self, a: [f64; N], b: f64) -> [bool; N] {
+        if a.iter().all(|&a| self.surely_lacks(a, b)) {
+            return [false; N];
+        }
         self.undistort(&a, &[-b; N]).1
     }
 
     /// Whether the picture surely has a place and all places closer to the middle, because Newton's method converges
     /// there.
     #[inline(always)]
+    pub(super) fn surely_has_place(&self, a: f64, b: f64) -> bool {
+        a * a + b * b <= self.convergence * self.convergence
+    }
+
+    /// Whether the picture surely has no place that is as far from its middle as (a, b), or further.
+    pub(super) fn surely_lacks(&self, a: f64, b: f64) -> bool {
+        a * a + b * b > self.rim * self.rim
+    }
+
+    /// Whether a place is within the radius of [`WellBehaved`].
+    #[inline(always)]
     pub(super) fn is_well_behaved(&self, a: f64, b: f64) -> bool {
         a * a + b * b <= self.well_behaved.radius * self.well_behaved.radius
     }
 
-    /// The place where (x, y) is seen, and its derivatives.
-    #[inline(always)]
-    pub(super) fn at(&self, x: f64, y: f64) -> Seen {
-        let [k1, k2, p1, p2, k3] = self.coefficients;
-        let squared = x * x + y * y;
-        let radial = 1.0 + squared * (k1 + squared * (k2 + squared * k3));
-        // Twice the derivative of the scale by r².
-        let slope = 2.0 * (k1 + squared * (2.0 * k2 + squared * (3.0 * k3)));
-        Seen {
-            x: x * radial + 2.0 * p1 * (x * y) + p2 * (squared + 2.0 * (x * x)),
-            y: y * radial + p1 * (squared + 2.0 * (y * y)) + 2.0 * p2 * (x * y),
-            xx: radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x,
-            xy: x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y,
-            yy: radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x,
+    /// What is known of the directions of a rectangle of places, to the right and up; `None` where Newton's method is not
+    /// known to converge for all of them.
+    pub(super) fn region(
+        &self,
+        (left, right): (f64, f64),
+        (low, high): (f64, f64),
+    ) -> Option<LensRegion> {
+        let furthest = [left.abs().max(right.abs()), low.abs().max(high.abs())];
+        if self.is_well_behaved(furthest[0], furthest[1]) {
+            let WellBehaved {
+                bend,
+                reach,
+                settled,
+                ..
+            } = self.well_behaved;
+            return Some(LensRegion {
+                centre: [0.0; 2],
+                reach,
+                settled,
+                bend,
+            });
         }
+        let half = [(right - left) * 0.5, (high - low) * 0.5];
+        let middle = [left + half[0], -(low + half[1])];
+        let radius = (half[0] * half[0] + half[1] * half[1]).sqrt();
+        if self.surely_has_place(furthest[0], furthest[1]) {
+            let [[x], [y]] = self.steps_towards(&[middle[0]], &[middle[1]]);
+            return LensRegion::around(&self.distortion, [x, y], radius);
+        }
+        LensRegion::follow(&self.distortion, middle, radius, 0.0)
     }
 
     /// The direction, to the right, up and forward, that is seen at the place `a` to the right of and `b` above the
@@ -187,7 +218,7 @@ impl BrownConrady {
         let Some(direction) = self.direction(a, b) else {
             return [DVec3::ZERO; 2];
         };
-        let at = self.at(direction.x, -direction.y);
+        let at = self.distortion.at(direction.x, -direction.y);
         let inverse = 1.0 / at.determinant();
         [
             DVec3::new(at.yy, at.xy, 0.0) * inverse,
@@ -202,22 +233,6 @@ impl BrownConrady {
         }
         let (x, y) = self.distort(direction.x / direction.z, -direction.y / direction.z)?;
         Some((x, -y))
-    }
-}
-
-/// The place at which a point is seen, and its derivatives, a symmetric matrix.
-pub(super) struct Seen {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) xx: f64,
-    pub(super) xy: f64,
-    pub(super) yy: f64,
-}
-
-impl Seen {
-    #[inline(always)]
-    pub(super) fn determinant(&self) -> f64 {
-        self.xx * self.yy - self.xy * self.xy
     }
 }
 
@@ -270,10 +285,6 @@ const GREATEST_SLOPE: f64 = 0.9;
 /// The greatest h in use.
 const GREATEST_CURVATURE: f64 = 0.25;
 
-/// The greatest tangent of a direction on the plane that a lens's packets share; the rounding bounds in
-/// `packet/places` are proportional to it.
-pub(crate) const FLATTEST: f64 = 2.0;
-
 impl WellBehaved {
     fn new(coefficients: [f64; 5], end: f64) -> Self {
         let mut found = Self {
@@ -322,42 +333,19 @@ impl WellBehaved {
     }
 }
 
-/// The least r² where 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶, the derivative of the distorted radius, stops being positive;
-/// by bisection between the extremes of the cubic.
-fn fold([k1, k2, _, _, k3]: [f64; 5]) -> f64 {
-    let rise = |s: f64| 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * (7.0 * k3)));
-    // The derivative of the cubic is c + 2 b s + a s².
-    let (a, b, c) = (21.0 * k3, 5.0 * k2, 3.0 * k1);
-    let root = (b * b - a * c).max(0.0).sqrt();
-    // The roots without cancellation; NaN roots, or roots beyond the ends, are no extremes.
-    let sum = if b < 0.0 { root - b } else { -(b + root) };
-    let mut ends = [sum / a, c / sum, WIDEST];
-    ends.sort_unstable_by(f64::total_cmp);
-    let mut low = 0.0;
-    for end in ends.into_iter().filter(|&end| end > 0.0 && end <= WIDEST) {
-        // NaN counts as not rising.
-        let rises = rise(end) > 0.0;
-        if rises {
-            low = end;
-            continue;
-        }
-        let mut high = end;
-        for _ in 0..128 {
-            let middle = (low + high) * 0.5;
-            if rise(middle) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        return low;
-    }
-    WIDEST
+/// A radius of places beyond which none is seen. The distorted radius rises up to the lens's end, to r (1 + k1 r² + k2 r⁴ +
+/// k3 r⁶), and the tangential part moves a place there by at most 3|q|r², q = (p2, p1). A place has a ray where it is within
+/// 2·10⁻⁹ of itself, and of one, of where a direction within the end is seen ([`ARRIVED`]).
+fn rim(distortion: &Distortion) -> f64 {
+    let ([k1, k2, p1, p2, k3], squared) = (distortion.coefficients, distortion.end);
+    let radial = 1.0 + squared * (k1 + squared * (k2 + squared * k3));
+    let tangential = 3.0 * (p1 * p1 + p2 * p2).sqrt() * squared;
+    (squared.sqrt() * radial + tangential) * (1.0 + 1e-7) + 1e-7
 }
 
 impl PartialEq for BrownConrady {
     fn eq(&self, other: &Self) -> bool {
-        self.coefficients == other.coefficients
+        self.distortion.coefficients == other.distortion.coefficients
     }
 }
 
@@ -367,7 +355,8 @@ impl Eq for BrownConrady {}
 impl std::hash::Hash for BrownConrady {
     fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
         // Minus zero equals zero.
-        self.coefficients
+        self.distortion
+            .coefficients
             .map(|number| (number + 0.0).to_bits())
             .hash(state);
     }
@@ -375,7 +364,7 @@ impl std::hash::Hash for BrownConrady {
 
 impl fmt::Display for BrownConrady {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [k1, k2, p1, p2, k3] = self.coefficients;
+        let [k1, k2, p1, p2, k3] = self.distortion.coefficients;
         write!(f, "{k1},{k2},{p1},{p2},{k3}")
     }
 }

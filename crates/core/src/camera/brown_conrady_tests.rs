@@ -169,7 +169,7 @@ fn many() -> impl Iterator<Item = BrownConrady> {
 fn by_all_steps(lens: &BrownConrady, to_x: f64, to_y: f64) -> [f64; 2] {
     let (mut x, mut y) = (to_x, to_y);
     for _ in 0..STEPS {
-        let at = lens.at(x, y);
+        let at = lens.distortion.at(x, y);
         let (off_x, off_y) = (at.x - to_x, at.y - to_y);
         let inverse = 1.0 / at.determinant();
         x -= (at.yy * off_x - at.xy * off_y) * inverse;
@@ -230,4 +230,30 @@ fn a_lens_is_well_behaved_where_it_is_said_to_be() {
     // The whole picture of a calibrated camera except its corners.
     let (calibrated, _) = SHOWN[0];
     assert!(lens(calibrated).well_behaved.radius > 0.5);
+}
+
+/// The truth is all of Newton's steps.
+#[test]
+fn no_place_beyond_the_rim_has_a_direction() {
+    let mut random = Random(57);
+    let mut closest = f64::INFINITY;
+    for lens in many() {
+        if lens.rim > 100.0 {
+            continue;
+        }
+        for _ in 0..50 {
+            let (sin, cos) = math::sin_cos(random.signed() * 3.2);
+            for along in [1.000_000_001, 1.01, 1.0 + 3.0 * random.unit()] {
+                let (a, b) = (lens.rim * along * cos, lens.rim * along * sin);
+                assert!(lens.surely_lacks(a, b) && !lens.has_place(a, b));
+                assert_eq!(lens.direction(a, b), None, "{lens} {a} {b}");
+            }
+            // The edge of what is seen.
+            let end = 0.999_999 * lens.end();
+            let (x, y) = lens.distort(end * cos, end * sin).expect("within the end");
+            assert!(!lens.surely_lacks(x, y));
+            closest = closest.min(lens.rim / math::hypot(x, y));
+        }
+    }
+    assert!(closest < 1.01, "{closest}");
 }

@@ -17,7 +17,8 @@
 //! * **Interpolation.** Between the values a, b, c, d at four equal steps of 2h lies (9(b + c) − (a + d))/16, off by
 //!   3/128·(2h)⁴ times the fourth derivative (Steffensen, "Interpolation", 1927) and by 20/16 of what the values are. With M₃
 //!   and M₄ bounds of the third and fourth derivative of f, that of g is at most 15L³β'⁷ + 10LM₃β'⁶ + M₄β'⁵, as the terms of
-//!   the fourth derivative of x = g(f(x)) are counted. M₃ = l₃, and by the same theorem M₄ = 120|k₂|R + 840|k₃|R³.
+//!   the fourth derivative of x = g(f(x)) are counted; each has four factors J⁻¹e, with e down the column, at most β'ₑ =
+//!   |J(m)⁻¹e|/(1 − q): β'ₑ⁴(15L³β'³ + 10LM₃β'² + M₄β'). M₃ and M₄ are l₃ and l₄ for R.
 //! * **Rounding.** A step's end is off by 460ε as Newton's are, with half of that more from the step's own rounding; times
 //!   20/16, with the places' own 4ε and those of the ray's direction, 720ε: below 2000ε, which is less than a quarter of the
 //!   least tolerance and is set aside.
@@ -25,6 +26,7 @@
 //!   limit needs: it and r close the proof, and no test needs them.
 
 use super::brown_conrady::BrownConrady;
+use super::distortion::Distortion;
 use super::lens_region::{LensRegion, Near};
 use crate::num::simd::LANES;
 
@@ -56,7 +58,7 @@ const FIRST_STEPS: [usize; 4] = [4, 3, 3, 2];
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LensPatch {
     pub(crate) region: LensRegion,
-    lens: BrownConrady,
+    lens: Distortion,
     /// The rectangle's middle, half its sides, and the direction that is seen in the middle.
     place: [f64; 2],
     half: [f64; 2],
@@ -77,7 +79,7 @@ struct Smooth {
     bent: f64,
     /// R.
     reach: f64,
-    /// A bound of ‖D⁴g‖.
+    /// A bound of |D⁴g| down a column.
     fourth: f64,
 }
 
@@ -121,26 +123,31 @@ impl LensPatch {
             None => {
                 let region = lens.region((left, right), (low, high))?;
                 let is_mild = lens.is_well_behaved(place[0], place[1]);
-                (region, if is_mild { place } else { region.centre() })
+                (region, if is_mild { place } else { region.centre })
             }
         };
         let [to_x, to_y] = place;
-        let near = lens.undistort_from(&region, [&[to_x], &[to_y]], start.map(|it| [it]));
+        let near =
+            region.undistort_from(&lens.distortion, [&[to_x], &[to_y]], start.map(|it| [it]));
         let middle = match near {
             Some([[x], [y]]) => [x, y],
             None => lens.direction(to_x, -to_y).map(|d| [d.x, -d.y])?,
         };
-        let at = Near::of(lens, middle[0], middle[1])?;
+        let at = Near::of(&lens.distortion, middle[0], middle[1], 0.0)?;
         let beside = half[1] + ROWS_BESIDE * step.abs();
-        let smooth = Smooth::within(lens, &at, (half[0] * half[0] + beside * beside).sqrt());
+        let smooth = Smooth::within(
+            &lens.distortion,
+            &at,
+            (half[0] * half[0] + beside * beside).sqrt(),
+        );
         Some(Self {
             region,
-            lens: *lens,
+            lens: lens.distortion,
             place,
             half,
             middle,
             slopes: at.inverse(),
-            bend: smooth.map_or(region.bend(), |smooth| smooth.bend()),
+            bend: smooth.map_or(region.bend, |smooth| smooth.bend()),
             smooth,
         })
     }
@@ -333,7 +340,7 @@ struct Blocks {
 
 impl Smooth {
     /// What holds for places within `radius` of the one whose direction is known; `None` where q is too great.
-    fn within(lens: &BrownConrady, at: &Near, radius: f64) -> Option<Self> {
+    fn within(lens: &Distortion, at: &Near, radius: f64) -> Option<Self> {
         let beta = at.beta * (1.0 + 1e-9);
         let reach = REACH_FACTOR * beta * radius;
         let bent = at.curvature(lens, reach);
@@ -344,13 +351,11 @@ impl Smooth {
         if !is_small {
             return None;
         }
-        let furthest = at.furthest(reach);
-        let [_, k2, _, _, k3] = lens.coefficients().map(f64::abs);
-        let third = at.third(lens, reach);
-        let highest = furthest * (120.0 * k2 + furthest * furthest * (840.0 * k3));
-        let fifth = inverse * inverse * inverse * inverse * inverse;
-        let fourth = fifth
-            * (highest + inverse * (10.0 * bent * third + inverse * (15.0 * bent * bent * bent)));
+        let (third, highest) = (at.third(lens, reach), at.fourth(lens, reach));
+        let [_, xy, yy] = at.inverse();
+        let down = (xy * xy + yy * yy) * (1.0 + 1e-9) / ((1.0 - turn) * (1.0 - turn));
+        let cube = inverse * (15.0 * bent * bent * bent);
+        let fourth = down * down * inverse * (highest + inverse * (10.0 * bent * third + cube));
         Some(Self {
             inverse,
             bent,
@@ -434,13 +439,13 @@ impl Blocks {
     #[inline(always)]
     fn step(
         &self,
-        lens: &BrownConrady,
+        lens: &Distortion,
         block: usize,
         (to_x, to_y): (&[f64; LANES], f64),
         [x, y]: &mut [[f64; LANES]; 2],
         worst: &mut Worst,
     ) {
-        let [k1, k2, p1, p2, k3] = lens.coefficients();
+        let [k1, k2, p1, p2, k3] = lens.coefficients;
         let (q1, q2) = (2.0 * p1, 2.0 * p2);
         let (centre_x, centre_y) = (self.x[block], self.y[block]);
         let (xx, xy, yy) = (self.xx[block], self.xy[block], self.yy[block]);

@@ -2,6 +2,7 @@
 
 mod brown_conrady;
 mod cube_face;
+mod distortion;
 mod eyes;
 mod grid;
 mod lattice;
@@ -22,8 +23,8 @@ mod sub_camera;
 mod view;
 
 pub use crate::ray::Ray;
-pub(crate) use brown_conrady::FLATTEST;
 pub use brown_conrady::{BrownConrady, LensError};
+pub(crate) use distortion::FLATTEST;
 pub use grid::Grid;
 pub use lattice::Lattice;
 pub(crate) use lens_patch::{LensPatch, PlaceScale};

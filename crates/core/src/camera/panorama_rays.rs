@@ -151,6 +151,19 @@ impl PanoramaRays {
         matches!(self.panorama, Panorama::Lens(_))
     }
 
+    /// Whether a rectangle surely has no rays: it is beyond the rim of a lens's picture.
+    pub(crate) fn has_surely_none(&self, rect: Rect) -> bool {
+        let (Panorama::Lens(lens), Some((across, along))) = (self.panorama, self.ends(rect)) else {
+            return false;
+        };
+        // The distance of the nearest column or row from the middle.
+        let nearest = |(one, other): (f64, f64)| match one * other > 0.0 {
+            true => one.abs().min(other.abs()),
+            false => 0.0,
+        };
+        lens.surely_lacks(nearest(across), nearest(along))
+    }
+
     /// What is known of a rectangle's rays through a lens. `None` if there is no lens, or where only the rays themselves
     /// tell.
     pub(crate) fn lens_region(&self, rect: Rect) -> Option<LensRegion> {
@@ -279,7 +292,7 @@ impl PanoramaRays {
                 let [x, y] = lens.steps_towards(&a, &down);
                 *out = [x, negated(&y), [1.0; LANES]];
                 // The lanes between are closer to the middle than the farther end.
-                if lens.is_well_behaved(a[0], b) & lens.is_well_behaved(a[LANES - 1], b) {
+                if lens.surely_has_place(a[0], b) & lens.surely_has_place(a[LANES - 1], b) {
                     return (1 << LANES) - 1;
                 }
                 let has = lens.arrived([&a, &down], [&x, &y]);
@@ -351,7 +364,8 @@ impl PanoramaRays {
             return None;
         };
         let (a, b) = self.places(column, row);
-        let [x, down] = lens.undistort_from(region, [&a, &[-b; LANES]], [x, negated(&y)])?;
+        let [x, down] =
+            region.undistort_from(&lens.distortion, [&a, &[-b; LANES]], [x, negated(&y)])?;
         Some([x, negated(&down)])
     }
 

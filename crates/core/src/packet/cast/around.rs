@@ -47,6 +47,9 @@ impl Work for FindAround<'_> {
             Some((in_world(axis).normalize_or_zero(), tangent))
         };
         for large in faces.into_iter().flat_map(|face| face.split(LARGE_SIDE)) {
+            if rays.has_surely_none(large.rect()) {
+                continue;
+            }
             let large_patch = rays.lens_patch(large.rect(), None);
             let may_hit = match &large_patch {
                 Some(patch) => traversal.find_entry_points_through(lanes, &plane, &window(patch)),
@@ -57,6 +60,9 @@ impl Work for FindAround<'_> {
             }
             rest.extend(large.split(SIDE as u32));
             while let Some(packet) = rest.pop() {
+                if large_patch.is_none() && rays.has_surely_none(packet.rect()) {
+                    continue;
+                }
                 // Rejects most packets beside a mesh before their rays are computed.
                 let patch = rays.lens_patch(packet.rect(), large_patch.as_ref());
                 let may_hit = match &patch {

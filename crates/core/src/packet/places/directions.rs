@@ -88,6 +88,9 @@ impl Places {
                 self.find_directions_of_region((rays, &region), rect, place);
                 continue;
             }
+            if rays.has_surely_none(rect) {
+                continue;
+            }
             let half = rect.width.max(rect.height).div_ceil(2);
             if half < ROW as u32 {
                 self.find_directions_exactly(rays, rect, place);
