@@ -22,10 +22,14 @@ pub struct Limits {
     /// The up axis of a mesh file that is read by itself and does not define one. Scene files set it for each
     /// object.
     pub up_axis: UpAxis,
+    /// Whether a checkerboard stands in for an image that a scene file names and that cannot be read, with a warning
+    /// ([`Texture::is_stand_in`](crate::scene::Texture::is_stand_in)). Otherwise that is an error.
+    pub stand_ins: bool,
 }
 
 impl Default for Limits {
-    /// 4 GiB, 2²⁸ pixels (16384 × 16384), 2²⁷ triangles; references lead only to the mesh's folder and its parent.
+    /// 4 GiB, 2²⁸ pixels (16384 × 16384), 2²⁷ triangles; references lead only to the mesh's folder and its parent; nothing
+    /// stands in for images.
     fn default() -> Self {
         Self {
             bytes: 4 << 30,
@@ -33,6 +37,7 @@ impl Default for Limits {
             triangles: 1 << 27,
             follow_anywhere: false,
             up_axis: UpAxis::Y,
+            stand_ins: false,
         }
     }
 }

@@ -282,6 +282,48 @@ mod tests {
     }
 
     #[test]
+    fn a_checkerboard_stands_in_for_a_missing_image_of_a_scene() {
+        let folder = Folder::new("stand-in");
+        folder.write("a.txt", b"(0,0,0);(1,0,0);(0,1,0)");
+        let text = "[[object]]\nname = \"a\"\nmesh = \"a.txt\"\ntexture = \"deep/t.ppm\"\n\
+                    crop = [1, 0, 2, 1]\nwrap = [\"mirror\", \"repeat\"]\n";
+        let scene = folder.write("a.raycast.toml", text.as_bytes());
+        let read = |stand_ins: bool| {
+            let limits = Limits {
+                stand_ins,
+                ..Limits::default()
+            };
+            read_scene_within(&scene, &Budget::new(limits), &|_| ())
+        };
+        let refused = read(false).expect_err("no image").to_string();
+        let mut file = read(true).expect("a stand-in");
+        let warning = std::mem::take(&mut file.warnings).join(" ");
+        assert!(refused.contains("a.raycast.toml:4: ") && refused.contains("t.ppm"));
+        assert_eq!(
+            warning,
+            format!("{refused}; a checkerboard stands in for it")
+        );
+        // What is known of the image is written again.
+        let written = file.to_toml(&folder.0).expect("a name");
+        let has = |line: &str| written.lines().any(|written| written == line);
+        assert!(
+            has("texture = \"deep/t.ppm\"") && has("crop = [1, 0, 2, 1]"),
+            "{written}"
+        );
+        assert!(has("wrap = [\"mirror\", \"repeat\"]"), "{written}");
+        let texture = file.scene.objects[0].texture.as_ref().expect("a stand-in");
+        assert!(texture.is_stand_in());
+        // One that cannot be decoded, and one that can.
+        folder.write("deep/t.ppm", b"P3\n3 1\n255\n1 2 3");
+        assert_eq!(read(true).expect("a stand-in").warnings.len(), 1);
+        folder.write("deep/t.ppm", b"P3\n3 1\n255\n1 2 3 4 5 6 7 8 9\n");
+        let file = read(true).expect("an image");
+        let texture = file.scene.objects[0].texture.as_ref().expect("a texture");
+        assert!(!texture.is_stand_in() && file.warnings.is_empty());
+        assert_eq!(texture.texels(), [[4, 5, 6, 255], [7, 8, 9, 255]]);
+    }
+
+    #[test]
     fn a_mesh_file_is_a_scene_of_one_object() {
         let folder = Folder::new("mesh");
         folder.write("a.mtl", b"newmtl x\nmap_Kd deep\\t.ppm\n");

@@ -16,7 +16,7 @@ use crate::scene::{
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::Spanned;
 
@@ -107,7 +107,7 @@ impl Reader<'_> {
             };
             let found = self.named_nodes(table, read)?;
             mesh_file::count_objects(self.path, found, self.files.budget())?;
-            let texture = self.texture(table, &mut textures)?;
+            let texture = self.texture(table, &mut textures, warnings)?;
             let transform = self.transform(table)?;
             first_objects.push(objects.len());
             for placed in found {
@@ -247,6 +247,7 @@ impl Reader<'_> {
         &self,
         table: &ObjectToml,
         textures: &mut Textures,
+        warnings: &mut Vec<String>,
     ) -> Result<Option<(Arc<Texture>, PathBuf)>, FormatError> {
         let Some(named) = &table.texture else {
             let expected = "a `texture` beside what says how it lies";
@@ -261,8 +262,7 @@ impl Reader<'_> {
         let image = match textures.images.get(&source) {
             Some(image) => Arc::clone(image),
             None => {
-                let bytes = self.bytes(named, &path, &|_| ())?;
-                let image = Arc::new(texture::decode(&path, &bytes, budget)?);
+                let image = Arc::new(self.image_or_stand_in(named, &path, warnings)?);
                 textures.images.insert(source.clone(), Arc::clone(&image));
                 image
             }
@@ -277,6 +277,16 @@ impl Reader<'_> {
         let key = (source.clone(), crop, wrap);
         if let Some(part) = textures.parts.get(&key) {
             return Ok(Some((Arc::clone(part), source)));
+        }
+        if image.is_stand_in() {
+            let [x, y, width, height] = crop.unwrap_or_default();
+            let crop = crop.map(|_| Crop {
+                x,
+                y,
+                width,
+                height,
+            });
+            return Ok(Some((Arc::new(Texture::stand_in(crop, wrap)), source)));
         }
         let (width, height) = (image.width(), image.height());
         let [x, y, columns, rows] = crop.unwrap_or([0, 0, width, height]);
@@ -301,6 +311,28 @@ impl Reader<'_> {
         let part = Arc::new(part.wrapped(wrap));
         textures.parts.insert(key, Arc::clone(&part));
         Ok(Some((part, source)))
+    }
+
+    /// The image in a file that the scene names, or what stands in for it.
+    fn image_or_stand_in(
+        &self,
+        named: &Spanned<String>,
+        path: &Path,
+        warnings: &mut Vec<String>,
+    ) -> Result<Texture, FormatError> {
+        let budget = self.files.budget();
+        let read = || {
+            let bytes = self.bytes(named, path, &|_| ())?;
+            texture::decode(path, &bytes, budget)
+        };
+        match read() {
+            Err(error) if budget.limits().stand_ins => {
+                budget.check_cancelled(path)?;
+                warnings.push(format!("{error}; a checkerboard stands in for it"));
+                Ok(Texture::stand_in(None, [Wrap::Repeat; 2]))
+            }
+            read => read,
+        }
     }
 
     /// The projector of an object's texture, if the file sets any part of it; the rest is as for the mesh's bounds.

@@ -102,6 +102,13 @@ impl Object {
         }
     }
 
+    /// Whether its texture stands in for an image that could not be read.
+    pub fn has_stand_in(&self) -> bool {
+        self.texture
+            .as_ref()
+            .is_some_and(|texture| texture.is_stand_in())
+    }
+
     /// Whether any triangle may show an image.
     pub fn has_texture(&self) -> bool {
         let mut materials = self.mesh.materials().iter();

@@ -26,8 +26,13 @@ pub struct Texture {
     /// Whether it repeats along both axes, the common case.
     repeats: bool,
     crop: Option<Crop>,
+    is_stand_in: bool,
     levels: Levels,
 }
+
+/// Columns, rows and checks of a side of what stands in for an image; the checks' colours.
+const STAND_IN: (u32, u32) = (64, 8);
+const CHECKS: [[u8; 4]; 2] = [[0xff, 0x00, 0xff, 0xff], [0x20, 0x20, 0x20, 0xff]];
 
 /// A cache of the texture's mip levels. They follow from the texture and do not take part in comparisons.
 #[derive(Clone, Debug, Default)]
@@ -55,8 +60,32 @@ impl Texture {
             wrap: [Wrap::Repeat; 2],
             repeats: true,
             crop: None,
+            is_stand_in: false,
             levels: Levels::default(),
         })
+    }
+
+    /// A checkerboard in the place of an image that could not be read, which has what was said of the image.
+    pub fn stand_in(crop: Option<Crop>, wrap: [Wrap; 2]) -> Self {
+        let (side, checks) = STAND_IN;
+        let check = |at: u32| at * checks / side;
+        let texel = |at: u32| CHECKS[((check(at % side) + check(at / side)) % 2) as usize];
+        let image = Self {
+            width: side,
+            height: side,
+            texels: (0..side * side).map(texel).collect(),
+            wrap: [Wrap::Repeat; 2],
+            repeats: true,
+            crop,
+            is_stand_in: true,
+            levels: Levels::default(),
+        };
+        image.wrapped(wrap)
+    }
+
+    /// Whether it stands in for an image that could not be read.
+    pub fn is_stand_in(&self) -> bool {
+        self.is_stand_in
     }
 
     /// The same image with other wrapping along u and v.

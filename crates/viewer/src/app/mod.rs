@@ -203,7 +203,11 @@ impl App {
             Some(document) => &document.opened,
             None => &[],
         };
-        let files = files.iter().chain(&self.keys_file);
+        // Images that could not be opened may come.
+        let objects = self.state.document.iter().flat_map(|d| &d.scene.objects);
+        let missing = objects.filter(|object| object.has_stand_in());
+        let missing = missing.filter_map(|object| object.texture_source.as_ref());
+        let files = files.iter().chain(missing).chain(&self.keys_file);
         if !self.watched.iter().eq(files.clone()) {
             self.watched = files.cloned().collect();
             watch.watch(self.watched.clone());

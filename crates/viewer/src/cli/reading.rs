@@ -104,6 +104,7 @@ mod tests {
             triangles: 2048,
             follow_anywhere: true,
             up_axis: UpAxis::Z,
+            stand_ins: false,
         };
         assert_eq!(args.limits(), expected);
         assert_eq!(ReadingArgs::default().limits(), Limits::default());

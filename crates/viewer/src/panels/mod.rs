@@ -28,6 +28,7 @@ mod shape;
 mod side;
 mod status;
 mod surface;
+mod texture_part;
 mod tiles;
 mod transform;
 pub mod viewport;

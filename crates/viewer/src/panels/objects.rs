@@ -1,7 +1,7 @@
 //! The list of objects, and the controls of the selected one.
 
 use super::widgets::{choice, color, item, row, section};
-use super::{Commands, object_tree, shape, transform};
+use super::{Commands, object_tree, shape, texture_part, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
@@ -204,6 +204,7 @@ fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
 fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
     own_color(ui, state, (number, object), out);
     own_texture(ui, state, (number, object), out);
+    texture_part::show(ui, state, (number, object), out);
     object_tree::parent(ui, state, number, out);
     if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
         shape::show(ui, state, (number, shape), out);
@@ -264,6 +265,9 @@ fn own_texture(ui: &mut Ui, state: &State, (number, object): (usize, &Object), o
                 .as_ref()
                 .and_then(|path| path.file_name());
             let text = match name {
+                Some(name) if object.has_stand_in() => {
+                    format!("Missing: {}", name.to_string_lossy())
+                }
                 Some(name) => name.to_string_lossy().into_owned(),
                 None => "Load…".to_owned(),
             };

@@ -106,6 +106,8 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     let shading = document.shading;
     document.clip = clip;
     state.document = Some(document);
+    // Its file may be another now.
+    state.image = None;
     match renewed {
         Some(meshes) => state.history.renew(&meshes),
         None => state.history = History::default(),

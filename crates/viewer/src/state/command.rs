@@ -7,6 +7,7 @@ use super::inspection::Shown;
 use super::measure::Kind;
 use super::part::Part;
 use super::preferences::{Mouse, Theme};
+use super::thumbnail::TexturePart;
 use super::turn::Turning;
 use super::viewpoint::StandardView;
 use super::{Answer, PromptKind, Tint};
@@ -326,6 +327,10 @@ pub enum Command {
     CancelLoad,
     /// Use an image as the texture of an object; of all, for `None`.
     LoadTexture(PathBuf, Option<usize>),
+    /// Show a part of its image file as the texture of an object.
+    SetTexturePart(usize, TexturePart),
+    /// Read an image file's thumbnail.
+    ShowImage(PathBuf),
     /// Restore the camera and look from a picture's recipe; without a recipe, use it as the texture of all objects.
     DropPicture(PathBuf),
     /// Save the picture; the name's ending gives the format. An existing file is replaced only after a question.

@@ -1,6 +1,7 @@
 //! Effects: what commands leave to other threads and to the window.
 
 use super::PromptKind;
+use super::thumbnail::TexturePart;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -42,8 +43,10 @@ pub enum Effect {
     CancelLoad,
     /// Build the tree over the document's objects.
     Build,
-    /// Read an image as the texture of an object; of all, for `None`.
-    LoadTexture(PathBuf, Option<usize>),
+    /// Read a part of an image as the texture of an object; of all, for `None`.
+    LoadTexture(PathBuf, Option<usize>, TexturePart),
+    /// Read an image's thumbnail.
+    ReadThumbnail(PathBuf),
     /// Read a picture's recipe. If its scene is not the open one, search these files for it. A picture without a recipe
     /// is used as a texture.
     OpenPicture(PathBuf, Vec<PathBuf>),

@@ -38,6 +38,7 @@ pub mod preferences;
 mod renumbering;
 mod session;
 pub mod shapes;
+pub mod thumbnail;
 pub mod turn;
 pub mod update;
 pub mod viewpoint;
@@ -61,6 +62,7 @@ use raycast_core::shade::{Legend, Shading};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use thumbnail::ShownImage;
 use turn::Turning;
 use viewpoint::Viewpoint;
 
@@ -152,6 +154,8 @@ pub struct State {
     pub locked: Arc<Vec<bool>>,
     /// The settings by which objects are rotated and scaled.
     pub turning: Turning,
+    /// The image file whose thumbnail is shown.
+    pub image: Option<ShownImage>,
     /// The handles in the picture.
     pub manipulating: Manipulating,
     /// The object whose name is being edited.
@@ -245,6 +249,7 @@ impl Default for State {
             selected: None,
             locked: Arc::default(),
             turning: Turning::default(),
+            image: None,
             manipulating: Manipulating::default(),
             naming: None,
             measuring: Measuring::default(),

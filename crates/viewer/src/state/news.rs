@@ -8,6 +8,7 @@ use super::files;
 use super::inspection::{Checked, Sized};
 use super::listing::{Listing, in_working_folder};
 use super::objects;
+use super::thumbnail::Thumbnail;
 use super::{PromptKind, Replacing, State};
 use raycast_core::formats::LengthUnit;
 use raycast_core::picture::Recipe;
@@ -47,6 +48,8 @@ pub enum News {
     Nothing,
     /// A texture was read, for an object or for all.
     Texture(Arc<Texture>, PathBuf, Option<usize>),
+    /// An image's thumbnail, or why there is none.
+    Thumbnail(PathBuf, Result<Arc<Thumbnail>, String>),
     /// A picture, or measurements, were written.
     PictureSaved(PathBuf),
     /// The picture for the clipboard was rendered.
@@ -147,7 +150,11 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             let path = in_working_folder(path);
             state.typed = None;
             state.forget_errors_of([&path]);
-            return change(state, "Texture", |state| {
+            let name = match texture.crop() {
+                Some(_) => "Part of a texture",
+                None => "Texture",
+            };
+            return change(state, name, |state| {
                 if !state.settings.shading.mode.shows().textures {
                     state.settings.shading.mode = Mode::Smooth;
                 }
@@ -156,6 +163,11 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
                     object.texture_source = Some(path.clone());
                 })
             });
+        }
+        News::Thumbnail(path, found) => {
+            if let Some(shown) = state.image.as_mut().filter(|shown| shown.path == path) {
+                shown.found = found.map(Some);
+            }
         }
         News::PictureSaved(path) => {
             let path = in_working_folder(path);

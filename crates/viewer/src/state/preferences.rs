@@ -83,12 +83,11 @@ impl Default for Preferences {
 impl Preferences {
     /// The limits of reading by these preferences; `given` are those of the command line.
     pub fn limits(&self, given: Limits) -> Limits {
-        match self.z_up {
-            true => Limits {
-                up_axis: UpAxis::Z,
-                ..given
-            },
-            false => given,
+        Limits {
+            up_axis: if self.z_up { UpAxis::Z } else { given.up_axis },
+            // A scene without one of its images can still be looked at, and saved with the image's name.
+            stand_ins: true,
+            ..given
         }
     }
 

@@ -5,6 +5,7 @@ use super::effect::Effect;
 use super::manipulator;
 use super::measure::Kind;
 use super::pick::Pinned;
+use super::thumbnail::{ShownImage, TexturePart};
 use super::viewpoint::fov_range;
 use super::{Palette, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
@@ -367,7 +368,23 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::LoadTexture(path, which) => {
             (state.prompt, state.typed) = (None, None);
-            return Some(Effect::LoadTexture(path, which));
+            return Some(Effect::LoadTexture(path, which, TexturePart::default()));
+        }
+        Command::SetTexturePart(which, part) => {
+            if !objects::is_free(state, which) {
+                return None;
+            }
+            let object = state.document.as_ref()?.scene.objects.get(which)?;
+            let path = object.texture_source.clone()?;
+            return Some(Effect::LoadTexture(path, Some(which), part));
+        }
+        Command::ShowImage(path) => {
+            let found = Ok(None);
+            state.image = Some(ShownImage {
+                path: path.clone(),
+                found,
+            });
+            return Some(Effect::ReadThumbnail(path));
         }
         Command::DropPicture(path) => {
             state.prompt = None;

@@ -4,11 +4,13 @@ use super::dialog::{DIALOG_ENDINGS, dialog};
 use super::load::{Load, scene_name, tree};
 use super::names::names;
 use super::tasks::{ANY, LoadStage, Progress, Shared, lock};
+use super::thumbnail::{part_of, thumbnail};
 use super::{Wake, case, keys, neighbors, panic_text};
 use crate::memory;
 use crate::state::PromptKind;
 use crate::state::effect::Keep;
 use crate::state::news::News;
+use crate::state::thumbnail::TexturePart;
 use raycast_core::Accel;
 use raycast_core::formats::{self, Limits};
 use raycast_core::scene::Scene;
@@ -241,16 +243,32 @@ impl Files {
         });
     }
 
-    /// Reads an image as a texture of an object, or of all.
-    pub fn load_texture(&self, path: PathBuf, which: Option<usize>) {
+    /// Reads a part of an image as a texture of an object, or of all.
+    pub fn load_texture(&self, path: PathBuf, which: Option<usize>, part: TexturePart) {
         let budget = memory::budget(self.limits.get());
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
-            Ok(match texture {
-                Ok(texture) => News::Texture(Arc::new(texture), path, which),
+            Ok(match texture.map(|image| part_of(image, part)) {
+                Ok(Some(texture)) => News::Texture(Arc::new(texture), path, which),
+                Ok(None) => {
+                    News::NotOpened(format!("{}: the image is smaller now", path.display()))
+                }
                 Err(error) => News::NotOpened(error.to_string()),
             })
+        });
+    }
+
+    /// Reads an image's thumbnail.
+    pub fn read_thumbnail(&self, path: PathBuf) {
+        let budget = memory::budget(self.limits.get());
+        self.shared.spawn("raycast-thumbnail", ANY, move |_| {
+            let image = formats::read_texture_within(&path, &budget);
+            let found = image.map(|image| Arc::new(thumbnail(&image)));
+            Ok(News::Thumbnail(
+                path,
+                found.map_err(|error| error.to_string()),
+            ))
         });
     }
 

@@ -6,7 +6,7 @@ use crate::worker::demo;
 use raycast_core::camera::Grid;
 use raycast_core::formats::SceneFile;
 use raycast_core::render::View;
-use raycast_core::scene::ClippingPlane;
+use raycast_core::scene::{ClippingPlane, Crop, Wrap};
 use std::path::Path;
 
 fn files() -> Files {
@@ -219,11 +219,61 @@ fn a_picture_is_not_written_over_what_was_opened() {
     let path = folder.path().join("skin.png");
     std::fs::write(&path, "P3\n1 1\n255\n1 2 3\n").expect("written");
     let files = files();
-    files.load_texture(path.clone(), None);
+    files.load_texture(path.clone(), None, TexturePart::default());
     assert!(matches!(wait(&files), News::Texture(..)));
     files.save(picture(), path.clone(), true);
     assert!(matches!(wait(&files), News::NotSaved(text) if text.contains("skin.png")));
     assert!(std::fs::read(&path).expect("a file").starts_with(b"P3"));
+}
+
+#[test]
+fn parts_and_thumbnails_are_those_of_the_image() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("wide.png");
+    std::fs::write(&path, "P3\n3 1\n255\n1 2 3 4 5 6 7 8 9\n").expect("written");
+    let files = files();
+    let part = |x: u32| TexturePart {
+        crop: Some(Crop {
+            x,
+            y: 0,
+            width: 2,
+            height: 1,
+        }),
+        wrap: [Wrap::Clamp; 2],
+    };
+    files.load_texture(path.clone(), Some(7), part(1));
+    match wait(&files) {
+        News::Texture(texture, of, Some(7)) => {
+            assert_eq!(texture.texels(), [[4, 5, 6, 255], [7, 8, 9, 255]]);
+            assert_eq!((TexturePart::of(&texture), of), (part(1), path.clone()));
+        }
+        news => panic!("{news:?}"),
+    }
+    files.load_texture(path.clone(), Some(7), part(2));
+    assert!(matches!(wait(&files), News::NotOpened(text) if text.contains("smaller")));
+
+    files.read_thumbnail(path.clone());
+    match wait(&files) {
+        News::Thumbnail(of, Ok(small)) => {
+            assert_eq!((of, small.of, small.size), (path, (3, 1), [3, 1]));
+            assert_eq!(small.texels[2], [7, 8, 9, 255]);
+        }
+        news => panic!("{news:?}"),
+    }
+    let large = folder.path().join("large.pgm");
+    let header = b"P5\n2000 1000\n255\n";
+    std::fs::write(&large, [&header[..], &[77; 2_000_000]].concat()).expect("written");
+    files.read_thumbnail(large);
+    match wait(&files) {
+        News::Thumbnail(_, Ok(small)) => {
+            assert_eq!((small.of, small.size), ((2000, 1000), [512, 256]));
+            assert!(small.texels.iter().all(|texel| *texel == [77, 77, 77, 255]));
+        }
+        news => panic!("{news:?}"),
+    }
+    let missing = folder.path().join("missing.png");
+    files.read_thumbnail(missing);
+    assert!(matches!(wait(&files), News::Thumbnail(_, Err(text)) if text.contains("missing.png")));
 }
 
 #[test]

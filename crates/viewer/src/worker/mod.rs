@@ -22,6 +22,7 @@ pub mod render;
 mod save;
 mod saving;
 mod tasks;
+mod thumbnail;
 pub mod watch;
 
 use std::sync::Arc;

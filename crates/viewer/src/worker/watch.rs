@@ -89,7 +89,7 @@ fn run(
         match message {
             Ok(Message::Watch(new)) => {
                 touched.clear();
-                let known = new.iter().filter_map(|file| file.canonicalize().ok());
+                let known = new.iter().filter_map(|file| place(file));
                 files = known
                     .map(|file| {
                         let signature = signature(&file);
@@ -155,6 +155,12 @@ struct Touched {
     patience: u32,
 }
 
+/// Where a file is, or will be once it is there.
+fn place(file: &Path) -> Option<PathBuf> {
+    let there = file.canonicalize().ok();
+    there.or_else(|| Some(file.parent()?.canonicalize().ok()?.join(file.file_name()?)))
+}
+
 fn signature(path: &Path) -> Signature {
     let found = std::fs::metadata(path).ok()?;
     Some((found.len(), found.modified().ok()?))
@@ -204,6 +210,12 @@ mod tests {
         drop(writer);
         assert_eq!(wait(&watch), std::slice::from_ref(&file));
         std::fs::rename(&other, &file).expect("moved");
-        assert_eq!(wait(&watch), [file]);
+        assert_eq!(wait(&watch), std::slice::from_ref(&file));
+        // One that is not there yet.
+        let late = folder.join("late.png");
+        watch.watch(vec![file, late.clone()]);
+        std::thread::sleep(Duration::from_millis(300));
+        std::fs::write(&late, "an image").expect("written");
+        assert_eq!(wait(&watch), [late]);
     }
 }

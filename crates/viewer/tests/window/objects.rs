@@ -5,13 +5,17 @@ use egui::{Key, Modifiers, PointerButton, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::glam::DVec3;
-use raycast_core::scene::Shape;
+use raycast_core::scene::{Crop, Shape, Texture};
 use raycast_viewer::state::State;
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::cut::PlaneBy;
 use raycast_viewer::state::effect::Effect;
+use raycast_viewer::state::news::{News, receive};
 use raycast_viewer::state::part::Part;
+use raycast_viewer::state::thumbnail::{TexturePart, Thumbnail};
 use raycast_viewer::state::update::update;
+use std::sync::Arc;
+use std::time::Duration;
 
 fn objects(harness: &Harness<'_, Bench>) -> Vec<(String, bool)> {
     let document = harness.state().state.document.as_ref().expect("a scene");
@@ -36,6 +40,74 @@ fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
     assert!(objects(&harness)[0].1);
     assert_eq!(shown(&harness), (2, 0.0));
     assert!(!harness.state().effects.contains(&Effect::Build));
+}
+
+#[test]
+fn a_rectangle_drawn_on_its_image_is_the_part_that_is_shown() {
+    let mut harness = open_two();
+    let path = std::env::temp_dir().join("skin.png");
+    let image = |image: Texture| News::Texture(Arc::new(image), path.clone(), Some(0));
+    let bench = harness.state_mut();
+    let whole = Texture::new(64, 32, vec![[200, 150, 100, 255]; 64 * 32]).expect("texels");
+    receive(&mut bench.state, image(whole.clone()), Duration::ZERO);
+    click(&mut harness, "left one");
+    click(&mut harness, "Whole image");
+    assert!(
+        harness
+            .state()
+            .effects
+            .contains(&Effect::ReadThumbnail(path.clone()))
+    );
+    harness.get_by_label("Reading the image…");
+    let small = Arc::new(Thumbnail {
+        of: (64, 32),
+        size: [64, 32],
+        texels: whole.texels().to_vec(),
+    });
+    let news = News::Thumbnail(path.clone(), Ok(small));
+    receive(&mut harness.state_mut().state, news, Duration::ZERO);
+    harness.run();
+    let place = harness
+        .get_by_label("The image, with the part that is shown")
+        .rect();
+    let texel = place.width() / 64.0;
+    let at = |x: f32, y: f32| place.min + egui::vec2(x, y) * texel;
+    let way = [at(8.5, 4.5), at(40.5, 20.5)];
+    let count = harness.state().effects.len();
+    drag_along(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        way,
+        |harness| {
+            assert_eq!(
+                harness.state().effects.len(),
+                count,
+                "not while it is drawn"
+            );
+        },
+    );
+    let part = TexturePart {
+        crop: Some(Crop {
+            x: 8,
+            y: 4,
+            width: 33,
+            height: 17,
+        }),
+        ..TexturePart::default()
+    };
+    let load = Effect::LoadTexture(path.clone(), Some(0), part);
+    assert_eq!(harness.state().effects[count..], [load]);
+    let cut = part
+        .crop
+        .and_then(|crop| whole.cropped(crop))
+        .expect("a part");
+    receive(&mut harness.state_mut().state, image(cut), Duration::ZERO);
+    harness.run();
+    harness.get_by_label("33×17 at 8, 4");
+    click(&mut harness, "Show the whole image");
+    let load = Effect::LoadTexture(path, Some(0), TexturePart::default());
+    assert_eq!(harness.state().effects.last(), Some(&load));
 }
 
 #[test]

@@ -299,6 +299,20 @@ fn twenty_everyday_tasks_are_done_by_keys_clicks_and_typed_paths() {
     desk.text(&leopard.display().to_string());
     desk.key(plain, Key::Enter);
     desk.until("painted", |desk| desk.objects()[0].texture.is_some());
+    let shown = |desk: &Desk| desk.objects()[0].texture.as_ref().and_then(|it| it.crop());
+    desk.harness.run();
+    desk.click("Whole image");
+    desk.until("its image", |desk| {
+        let image = desk.state().image.as_ref();
+        image.is_some_and(|image| matches!(image.found, Ok(Some(_))))
+    });
+    desk.harness.run();
+    desk.click("Columns of the part");
+    desk.text("100");
+    desk.key(plain, Key::Enter);
+    desk.until("a part of it", |desk| {
+        shown(desk).is_some_and(|crop| (crop.x, crop.width) == (0, 100))
+    });
 
     // 14: the health of the mesh, and whether it passes through itself.
     desk.run("Find self-intersections");
