@@ -3,6 +3,7 @@
 mod brown_conrady;
 mod cube_face;
 mod distortion;
+mod equidistant;
 mod eyes;
 mod grid;
 mod lattice;

@@ -6,6 +6,7 @@
     reason = "a lane is an index into all the arrays at once"
 )]
 
+use super::equidistant::{Expansion, equidistant};
 use super::lens_patch::{LensPatch, PatchPlaces, PlaceScale};
 use super::panorama::{CROSS, Face, STRIP};
 use super::{Lattice, LensRegion, Panorama, Rect};
@@ -156,12 +157,8 @@ impl PanoramaRays {
         let (Panorama::Lens(lens), Some((across, along))) = (self.panorama, self.ends(rect)) else {
             return false;
         };
-        // The distance of the nearest column or row from the middle.
-        let nearest = |(one, other): (f64, f64)| match one * other > 0.0 {
-            true => one.abs().min(other.abs()),
-            false => 0.0,
-        };
-        lens.surely_lacks(nearest(across), nearest(along))
+        let (a, b) = nearest(across, along);
+        lens.surely_lacks(a, b)
     }
 
     /// What is known of a rectangle's rays through a lens. `None` if there is no lens, or where only the rays themselves
@@ -316,17 +313,42 @@ impl PanoramaRays {
         }
     }
 
+    /// What makes directions of a rectangle faster to compute.
+    pub(crate) fn expansion(&self, rect: Rect) -> Option<Expansion> {
+        if self.panorama != Panorama::Equidistant {
+            return None;
+        }
+        let (across, along) = self.ends(rect)?;
+        let (near, far) = (nearest(across, along), furthest(across, along));
+        Expansion::new(
+            near.0 * near.0 + near.1 * near.1,
+            far.0 * far.0 + far.1 * far.1,
+        )
+    }
+
     /// As [`PanoramaRays::eight`] up to rounding, and faster: the error of each coordinate is below 320ε times the
-    /// direction's length, ε = 2⁻⁵³.
+    /// direction's length, ε = 2⁻⁵³. `expansion` is that of a rectangle that contains the rays, if it has one.
     #[inline(always)]
-    pub(crate) fn nearly_eight(&self, column: u32, row: u32, out: &mut EightDirections) -> u32 {
+    pub(crate) fn nearly_eight(
+        &self,
+        expansion: Option<&Expansion>,
+        (column, row): (u32, u32),
+        out: &mut EightDirections,
+    ) -> u32 {
         let (a, b) = self.places(column, row);
         let mut squared = [0.0; LANES];
         for lane in 0..LANES {
             squared[lane] = a[lane] * a[lane] + b * b;
         }
+        if let Some(expansion) = expansion {
+            expansion.directions(&a, b, &squared, out);
+            return (1 << LANES) - 1;
+        }
         match self.panorama {
-            Panorama::Equidistant => equidistant(&a, b, &squared, out),
+            Panorama::Equidistant => {
+                equidistant(&a, b, &squared, out);
+                at_most(&squared, PI * PI)
+            }
             Panorama::Equisolid => {
                 for lane in 0..LANES {
                     let rest = 1.0 - squared[lane] * 0.25;
@@ -467,56 +489,19 @@ fn at_most(numbers: &[f64; LANES], most: f64) -> u32 {
     all
 }
 
-/// Number of terms of the series below: the first one omitted, (π/4)¹⁸/18!, is below ε/16.
-const TERMS: usize = 9;
-
-/// Coefficients of cos √s and of sin √s / √s as series of s: (−1)ᵏ/(2k)! and (−1)ᵏ/(2k + 1)!.
-const COSINE: [f64; TERMS] = series(0);
-const SINE_SHARE: [f64; TERMS] = series(1);
-
-const fn series(first: usize) -> [f64; TERMS] {
-    let mut all = [0.0; TERMS];
-    let (mut value, mut k) = (1.0, 0);
-    while k < TERMS {
-        all[k] = value;
-        let next = (2 * k + first) as f64;
-        value /= -((next + 1.0) * (next + 2.0));
-        k += 1;
-    }
-    all
+/// The distances of a rectangle's nearest column and row from the middle.
+fn nearest(across: (f64, f64), along: (f64, f64)) -> (f64, f64) {
+    let side = |(one, other): (f64, f64)| match one * other > 0.0 {
+        true => one.abs().min(other.abs()),
+        false => 0.0,
+    };
+    (side(across), side(along))
 }
 
-/// Directions of an equidistant fisheye: sine and cosine by series for a quarter of the angle, then two angle
-/// doublings.
-///
-/// Error bound: Horner's scheme, with its coefficients, rounds the k-th term at most 4k + 1 times. With terms below
-/// 1, 0.31, 0.02, … and the truncation, this is less than 3ε for cos ρ/4 and 2ε for (sin ρ/4)/(ρ/4).
-/// cos 2x = 2 cos² x − 1 has four times the error of cos x plus 3ε: 15ε, then 63ε.
-/// sin 2x / 2x = (sin x / x) cos x has the sum of both errors plus ε: 6ε, then 22ε; it is multiplied by at most π.
-/// All are below 320ε.
-#[inline(always)]
-fn equidistant(a: &[f64; LANES], b: f64, squared: &[f64; LANES], out: &mut EightDirections) -> u32 {
-    let [mut share, mut cosine] = [[0.0; LANES]; 2];
-    for k in (0..TERMS).rev() {
-        for lane in 0..LANES {
-            let s = if squared[lane] < PI * PI {
-                squared[lane]
-            } else {
-                PI * PI
-            };
-            let s = s * (1.0 / 16.0);
-            cosine[lane] = cosine[lane] * s + COSINE[k];
-            share[lane] = share[lane] * s + SINE_SHARE[k];
-        }
-    }
-    for lane in 0..LANES {
-        let half = 2.0 * (cosine[lane] * cosine[lane]) - 1.0;
-        let share = share[lane] * cosine[lane] * half;
-        out[0][lane] = a[lane] * share;
-        out[1][lane] = b * share;
-        out[2][lane] = 2.0 * (half * half) - 1.0;
-    }
-    at_most(squared, PI * PI)
+/// The distances of its furthest ones.
+fn furthest(across: (f64, f64), along: (f64, f64)) -> (f64, f64) {
+    let side = |(one, other): (f64, f64)| one.abs().max(other.abs());
+    (side(across), side(along))
 }
 
 #[cfg(test)]
@@ -567,7 +552,14 @@ mod tests {
                     let [mut exact, mut near] = [[[0.0; LANES]; 3]; 2];
                     let has = rays.eight(first, row, &mut exact);
                     let in_world = rays.eight_in_world(first, row);
-                    let nearly_has = rays.nearly_eight(first, row, &mut near);
+                    let rect_of_eight = Rect {
+                        x: first,
+                        y: row,
+                        width: LANES as u32,
+                        height: 1,
+                    };
+                    let expansion = rays.expansion(rect_of_eight);
+                    let nearly_has = rays.nearly_eight(expansion.as_ref(), (first, row), &mut near);
                     // Start values nearby; of a lens, only where it is well-behaved.
                     let start = [0, 1].map(|axis| near[axis].map(|at| at + 1e-5 * random.signed()));
                     let rect = Rect {

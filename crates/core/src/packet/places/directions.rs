@@ -44,9 +44,11 @@ impl Places {
         (column, row): (u32, u32),
     ) {
         let mut eight = [[0.0; LANES]; 3];
+        let expansion = rays.expansion(rect);
         for y in 0..rect.height {
             for x in (0..rect.width).step_by(ROW) {
-                let has = rays.nearly_eight(rect.x + x, rect.y + y, &mut eight);
+                let at = (rect.x + x, rect.y + y);
+                let has = rays.nearly_eight(expansion.as_ref(), at, &mut eight);
                 self.keep_eight(eight, has, (column + x, row + y), rect.width - x);
             }
         }
@@ -141,7 +143,7 @@ impl Places {
                     Some(found) => found,
                     None => {
                         let mut exact = [[0.0; LANES]; 3];
-                        rays.nearly_eight(at.0, at.1, &mut exact);
+                        rays.nearly_eight(None, at, &mut exact);
                         [exact[0], exact[1]]
                     }
                 };
