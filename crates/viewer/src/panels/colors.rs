@@ -1,7 +1,7 @@
 //! The colour rule of objects, and the colour scale of numbers.
 
 use super::Commands;
-use super::widgets::{Number, color, is_chosen, list_shown, row, tick};
+use super::widgets::{Number, color, is_chosen, list_height, list_shown, row, tick};
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Ui;
@@ -53,7 +53,7 @@ fn rules(ui: &mut Ui, state: &State, objects: &[Object], out: &mut Commands) {
         |ui, label| {
             let name = current.map_or_else(|| "Several".to_owned(), name_of);
             let list = egui::ComboBox::from_id_salt("colors")
-                .height(380.0)
+                .height(list_height(ui))
                 .width(ui.available_width())
                 .selected_text(name)
                 .show_ui(ui, |ui| {
@@ -168,6 +168,7 @@ fn scale(ui: &mut Ui, state: &State, out: &mut Commands) {
         |ui, label| {
             let name = if is_grey { "grey" } else { scale.map.name() };
             let list = egui::ComboBox::from_id_salt("color map")
+                .height(list_height(ui))
                 .width(ui.available_width())
                 .selected_text(name)
                 .show_ui(ui, |ui| {

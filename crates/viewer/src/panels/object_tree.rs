@@ -1,7 +1,7 @@
 //! The tree of objects: the order of the list, and changing parents by dragging or by choice.
 
 use super::Commands;
-use super::widgets::{is_chosen, list_shown, row};
+use super::widgets::{is_chosen, list_height, list_shown, row};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::state::insertion::Insertion;
@@ -230,6 +230,7 @@ pub(super) fn parent(ui: &mut Ui, state: &State, number: usize, out: &mut Comman
         let name = name.map_or("nothing", |object| &object.name);
         ui.add_enabled_ui(!state.is_locked(number), |ui| {
             let list = ComboBox::from_id_salt("parent")
+                .height(list_height(ui))
                 .width(ui.available_width())
                 .truncate()
                 .selected_text(name)

@@ -191,6 +191,11 @@ pub(super) fn list_shown(ui: &Ui, list: &Response) {
     }
 }
 
+/// The greatest height of a drop-down list: with fewer entries than a dozen it does not scroll, unless the window is low.
+pub(super) fn list_height(ui: &Ui) -> f32 {
+    (ui.ctx().content_rect().height() * 0.45).min(340.0)
+}
+
 /// A drop-down list, named by a label; returns the option that was chosen.
 pub(super) fn select<T: PartialEq + Copy>(
     ui: &mut Ui,
@@ -203,6 +208,7 @@ pub(super) fn select<T: PartialEq + Copy>(
     let mut chosen = None;
     let list = egui::ComboBox::from_id_salt(id)
         .width(ui.available_width())
+        .height(list_height(ui))
         .selected_text(name.map_or("", |(_, name, _)| name))
         .show_ui(ui, |ui| {
             for &(value, name, hint) in options {
