@@ -10,7 +10,7 @@ use crate::stage::{Stage, scene_of};
 use crate::wrong_answer::compare;
 use raycast_core::Simd;
 use raycast_core::camera::{
-    Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Ray, Rect,
+    BrownConrady, Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Ray, Rect,
 };
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
@@ -205,8 +205,18 @@ impl Source<'_> {
         let byte = usize::from(self.byte());
         match byte {
             0..160 => [Projection::Perspective, Projection::Orthographic][byte % 2],
-            _ => Projection::Panoramic(Panorama::ALL[byte % Panorama::ALL.len()].1),
+            160..232 => Projection::Panoramic(Panorama::ALL[byte % Panorama::ALL.len()].1),
+            _ => self.lens(),
         }
+    }
+
+    /// A lens as strong as calibrated ones, or twice that.
+    fn lens(&mut self) -> Projection {
+        let coefficients = [1.0, 1.0, 0.05, 0.05, 1.0]
+            .map(|most| most * f64::from(self.byte().cast_signed()) / 128.0);
+        // Finite and small, so there is such a lens.
+        let lens = BrownConrady::new(coefficients);
+        lens.map_or(Projection::Perspective, Projection::through)
     }
 
     fn bytes<const N: usize>(&mut self) -> [u8; N] {
