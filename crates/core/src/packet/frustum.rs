@@ -11,6 +11,9 @@ const NEAREST: usize = 5;
 /// The planes that cull boxes, as bits.
 const SIDES: u32 = 0b1_1111;
 
+/// The least positive number of single precision, 2⁻¹⁴⁹.
+const LEAST_SUBNORMAL: f64 = f32::from_bits(1) as f64;
+
 /// A rectangle of the image plane, in scene units from the view axis at the target; [`Camera::direction`] is
 /// linear in it.
 #[derive(Clone, Copy, Debug)]
@@ -73,9 +76,12 @@ impl Planes {
             let at = from.eye + shift;
             let offset = -normal.dot(at);
             // With u = 2⁻²⁴: six products, six sums, and the rounding of normal and offset, each at most u of the sum of
-            // magnitudes: below 16u, doubled. The eye's own error, doubled for rounding, is added.
+            // magnitudes: below 16u, doubled. Of numbers too small for that, components of the normal are off by half of the
+            // least subnormal number, and the products and the offset by that once each: ½ Σ reach + 3½ such numbers,
+            // doubled. The eye's own error, doubled for rounding, is added.
             let magnitude = normal.abs().dot(reach) + normal.abs().dot(at.abs());
             let slack = magnitude * (32.0 / (1 << 24) as f64)
+                + (reach.element_sum() + 8.0) * LEAST_SUBNORMAL
                 + normal.abs().element_sum() * 2.0 * from.eye_error;
             all.offset[lane] = (offset + slack) as f32;
             for axis in 0..3 {

@@ -158,7 +158,8 @@ impl PlacedTriangles {
         let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
         let front = area.lt(zero);
         let sign = front.select(lanes.splat(-1.0), one);
-        let inverse = one / (area * sign);
+        // Of an area of minus zero too this is plus infinity: nothing is sure of it.
+        let inverse = one / area.abs();
         let area_error = error * inverse;
         self.small &= area_error.lt(lanes.splat(MAX_AREA_ERROR)).bits();
         if cull == Cull::Back {

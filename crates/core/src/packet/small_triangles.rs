@@ -85,7 +85,8 @@ impl<L: Lanes> SmallEdges<L> {
 
         let (a_key, b_key, c_key) = depth_keys;
         let (to_b, to_c) = (b_key - a_key, c_key - a_key);
-        let inverse = one / (area * sign);
+        // Of an area of minus zero too this is plus infinity: nothing is sure of it.
+        let inverse = one / area.abs();
         let area_error = error * inverse;
         let slope = to_b.abs() + to_c.abs();
         let by_slope = area_error * slope * DEPTH_KEY_ERROR;
