@@ -211,7 +211,7 @@ impl CellFrusta {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Orbit};
+    use crate::camera::{ImagePlane, Orbit, Placement};
     use crate::num::simd::Plain;
     use crate::packet::params::{ROW, SIDE};
     use crate::scene::Bounds;
@@ -271,6 +271,44 @@ mod tests {
             assert_eq!(around & 0x0660, 0x0660, "all between its corners");
             assert_eq!(touched(reach.min, reach.max), 0xffff);
         }
+    }
+
+    /// The camera's right has a part of 10⁻⁵⁸, which single precision has not; times 10¹⁸ it is as much as the box is high.
+    #[test]
+    fn a_normal_below_single_precision_loses_no_box() {
+        let placement = Placement {
+            eye: DVec3::new(
+                4.999999999999893e17,
+                4.999999999999893e17,
+                4.999999999999893e-41,
+            ),
+            target: DVec3::new(5e17, 5e17, 5e-41),
+            up: DVec3::Y,
+        };
+        let plane = ImagePlane::new(2, 1, 1e-13).expect("a good plane");
+        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let around = Box32 {
+            min: Vec3::ZERO,
+            max: Vec3::new(1e18, 1e18, 1e-40),
+        };
+        let from = Viewpoint {
+            camera: &camera,
+            eye: placement.eye,
+            eye_error: 0.0,
+            bounds: &around,
+        };
+        let small = camera.right().x.abs();
+        assert!(small > 0.0 && small < LEAST_SUBNORMAL && small * 1e18 > 1e-41);
+        let (left, top) = camera.across_and_along(0.0, 0.0);
+        let (right, _) = camera.across_and_along(1.0, 0.0);
+        let window = Window {
+            across: (left, right),
+            along: (top, top),
+        };
+        let frustum = Frustum::new(from, &window);
+        // The eye is in the box.
+        let [(_, is_touched), _] = frustum.enter(Plain, &BoxPair::of([around, around]));
+        assert!(is_touched);
     }
 
     /// The eye that planes are made from may be off by its error: boxes that rays of the true eye go through are
