@@ -141,11 +141,7 @@ impl BrownConrady {
 
     /// Whether the picture has the place `a` to the right of and `b` above its middle.
     pub(super) fn has_place(&self, a: f64, b: f64) -> bool {
-        let is_sure = self.surely_has_place(a, b) || self.surely_lacks(a, b);
-        match is_sure {
-            true => self.surely_has_place(a, b),
-            false => self.direction(a, b).is_some(),
-        }
+        self.surely_has_place(a, b) || (!self.surely_lacks(a, b) && self.direction(a, b).is_some())
     }
 
     /// As [`Self::has_place`], for several places at one height.
@@ -335,7 +331,8 @@ impl WellBehaved {
 
 /// A radius of places beyond which none is seen. The distorted radius rises up to the lens's end, to r (1 + k1 r² + k2 r⁴ +
 /// k3 r⁶), and the tangential part moves a place there by at most 3|q|r², q = (p2, p1). A place has a ray where it is within
-/// 2·10⁻⁹ of itself, and of one, of where a direction within the end is seen ([`ARRIVED`]).
+/// 2·10⁻⁹ of itself, and of one, of where a direction within the end is seen ([`ARRIVED`]): 10⁻⁷ is more than that and all
+/// rounding.
 fn rim(distortion: &Distortion) -> f64 {
     let ([k1, k2, p1, p2, k3], squared) = (distortion.coefficients, distortion.end);
     let radial = 1.0 + squared * (k1 + squared * (k2 + squared * k3));

@@ -179,7 +179,7 @@ mod tests {
                 continue;
             };
             let squared = [(); LANES].map(|()| least + (most - least) * random.unit());
-            let b = math::hypot(least.sqrt(), 0.0) * random.signed();
+            let b = least.sqrt() * random.signed();
             let a = squared.map(|squared| (squared - b * b).max(0.0).sqrt());
             let mut out = [[0.0; LANES]; 3];
             expansion.directions(&a, b, &squared, &mut out);

@@ -27,7 +27,7 @@
 
 use super::brown_conrady::BrownConrady;
 use super::distortion::Distortion;
-use super::lens_region::{LensRegion, Near};
+use super::lens_region::{LensRegion, MOST_CONTRACTION, Near, REACH_FACTOR};
 use crate::num::simd::LANES;
 
 /// How far off directions may be, as a share of the distance of neighbouring rows of places: 2⁻¹⁶ = 256u, a sixth of what
@@ -37,11 +37,6 @@ const TOLERANCE: f64 = 1.0 / (1 << 16) as f64;
 
 /// The least tolerance, 2¹³ε: beneath it rounding counts.
 const LEAST_TOLERANCE: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// R as a multiple of βρ, and the greatest q, one less one over that. With a greater multiple the bounds of derivatives are
-/// those of a greater disc; with a lesser one the disc contains fewer patches.
-const REACH_FACTOR: f64 = 1.5;
-const MOST_TURN: f64 = 1.0 - 1.0 / REACH_FACTOR;
 
 /// Rows of places on both sides of the rectangle that interpolation needs, at most.
 const ROWS_BESIDE: f64 = 4.0;
@@ -312,7 +307,8 @@ impl LensPatch {
         let turn = smooth.inverse * smooth.bent * 1.5 * reach;
         let settled = (each * (1.0 - turn) / turn).min(0.5 * reach * (1.0 - turn));
         // NaN fails these comparisons.
-        let serves = turn <= MOST_TURN && greatest(&furthest).sqrt() + 1.5 * reach <= smooth.reach;
+        let serves =
+            turn <= MOST_CONTRACTION && greatest(&furthest).sqrt() + 1.5 * reach <= smooth.reach;
         blocks.reach_squared = reach * reach;
         blocks.settled_squared = settled * settled;
         serves.then_some(blocks)
@@ -347,7 +343,7 @@ impl Smooth {
         let turn = beta * bent * reach;
         let inverse = beta / (1.0 - turn);
         // NaN fails the comparisons.
-        let is_small = turn <= MOST_TURN && at.is_precise(lens, reach, inverse);
+        let is_small = turn <= MOST_CONTRACTION && at.is_precise(lens, reach, inverse);
         if !is_small {
             return None;
         }

@@ -60,6 +60,12 @@ const LAST_STEPS: usize = 6;
 /// The greatest S·R·β'.
 const MOST_ROUNDING: f64 = 28.0;
 
+/// Around a known direction others are in a disc of R, a multiple of βρ, where βLR is at most one less one over that factor
+/// (as [`lens_patch`](super::lens_patch) has it). With a greater factor the bounds of derivatives are those of a greater
+/// disc; with a lesser one the disc contains fewer patches.
+pub(super) const REACH_FACTOR: f64 = 1.5;
+pub(super) const MOST_CONTRACTION: f64 = 1.0 - 1.0 / REACH_FACTOR;
+
 /// What is known of the directions of a rectangle's places.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LensRegion {
@@ -123,9 +129,9 @@ impl LensRegion {
     pub(super) fn around(lens: &Distortion, direction: [f64; 2], radius: f64) -> Option<Self> {
         let [x, y] = direction;
         let near = Near::of(lens, x, y, 0.0)?;
-        // Directions are within R = 1.5βρ where βLR is at most a third, as in `lens_patch`.
-        let reach = 1.5 * near.beta * radius * (1.0 + 1e-9) + 1e-9;
-        let is_near = near.turn(lens, reach) <= 1.0 / 3.0;
+        // Enlarged by far more than rounding.
+        let reach = REACH_FACTOR * near.beta * radius * (1.0 + 1e-9) + 1e-9;
+        let is_near = near.turn(lens, reach) <= MOST_CONTRACTION;
         is_near.then(|| near.disc(lens, reach, 0.0)).flatten()
     }
 

@@ -122,12 +122,10 @@ impl Panorama {
     pub(super) fn has_all_between(self, (left, right): (f64, f64), b: f64) -> bool {
         match self {
             // Places between two are no further from the middle than the further one.
-            Self::Lens(lens)
-                if lens.surely_has_place(left, b) && lens.surely_has_place(right, b) =>
-            {
-                true
+            Self::Lens(lens) => {
+                lens.surely_has_place(left, b) && lens.surely_has_place(right, b)
+                    || lens.region((left, right), (b, b)).is_some()
             }
-            Self::Lens(lens) => lens.region((left, right), (b, b)).is_some(),
             _ => self.has_place(left, b) && self.has_place(right, b),
         }
     }

@@ -552,22 +552,16 @@ mod tests {
                     let [mut exact, mut near] = [[[0.0; LANES]; 3]; 2];
                     let has = rays.eight(first, row, &mut exact);
                     let in_world = rays.eight_in_world(first, row);
-                    let rect_of_eight = Rect {
-                        x: first,
-                        y: row,
-                        width: LANES as u32,
-                        height: 1,
-                    };
-                    let expansion = rays.expansion(rect_of_eight);
-                    let nearly_has = rays.nearly_eight(expansion.as_ref(), (first, row), &mut near);
-                    // Start values nearby; of a lens, only where it is well-behaved.
-                    let start = [0, 1].map(|axis| near[axis].map(|at| at + 1e-5 * random.signed()));
                     let rect = Rect {
                         x: first,
                         y: row,
                         width: LANES as u32,
                         height: 1,
                     };
+                    let expansion = rays.expansion(rect);
+                    let nearly_has = rays.nearly_eight(expansion.as_ref(), (first, row), &mut near);
+                    // Start values nearby; of a lens, only where it is well-behaved.
+                    let start = [0, 1].map(|axis| near[axis].map(|at| at + 1e-5 * random.signed()));
                     let from_there = (rays.lens_region(rect))
                         .and_then(|region| rays.eight_through_lens(&region, first, row, start));
                     for lane in 0..LANES {

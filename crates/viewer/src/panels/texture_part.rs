@@ -19,6 +19,8 @@ const TALLEST: f32 = 170.0;
 
 /// The rectangle while it is drawn or a number is dragged: the object, and its columns and rows.
 const DRAFT: &str = "part of a texture";
+/// Whether the controls are open.
+const OPEN: &str = "part of a texture is open";
 /// Where on the image a drag began.
 const START: &str = "corner of a part";
 
@@ -44,7 +46,7 @@ pub(super) fn show(
         "Shown part",
         "The part of the image that is shown",
         |ui, _| {
-            let open = Id::unique("part of a texture is open");
+            let open = Id::unique(OPEN);
             let mut is_open = ui.data(|data| data.get_temp(open)).unwrap_or(false);
             let response = ui.add(Button::new(title).selected(is_open).truncate());
             let response =
@@ -55,7 +57,7 @@ pub(super) fn show(
             }
         },
     );
-    let open = Id::unique("part of a texture is open");
+    let open = Id::unique(OPEN);
     if ui.data(|data| data.get_temp(open)) != Some(true) {
         return;
     }
