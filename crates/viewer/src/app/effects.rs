@@ -24,7 +24,7 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
                 files.build(Arc::clone(scene), Arc::clone(accel));
             }
         }
-        Effect::LoadTexture(path, which, part) => files.load_texture(path, which, part),
+        Effect::LoadTexture { number, path, part } => files.load_texture(number, path, part),
         Effect::ReadThumbnail(path) => files.read_thumbnail(path),
         Effect::List(folder, kind) => files.list(folder, kind),
         Effect::Dialog(kind) => {

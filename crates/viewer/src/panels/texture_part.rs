@@ -36,7 +36,11 @@ pub(super) fn show(
     if texture.is_stand_in() {
         return;
     }
-    let part = TexturePart::of(texture);
+    // The part that was chosen last is what the next choice changes, also while it is being read.
+    let requests = &state.textures;
+    let scene = state.document.as_ref().map(|document| &document.scene);
+    let asked = scene.and_then(|scene| requests.part(scene, number, path));
+    let part = asked.unwrap_or_else(|| TexturePart::of(texture));
     let title = match part.crop {
         None => "Whole image".to_owned(),
         Some(crop) => format!("{}×{} at {}, {}", crop.width, crop.height, crop.x, crop.y),

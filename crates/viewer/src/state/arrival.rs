@@ -105,6 +105,10 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     let (paths, opened) = (document.paths.clone(), document.opened.clone());
     let shading = document.shading;
     document.clip = clip;
+    match (&renewed, last) {
+        (Some(_), Some(last)) => state.textures.renew(&last.scene, &document.scene),
+        _ => state.textures.clear(),
+    }
     state.document = Some(document);
     // Its file may be another now.
     state.image = None;

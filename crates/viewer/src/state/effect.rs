@@ -43,8 +43,15 @@ pub enum Effect {
     CancelLoad,
     /// Build the tree over the document's objects.
     Build,
-    /// Read a part of an image as the texture of an object; of all, for `None`.
-    LoadTexture(PathBuf, Option<usize>, TexturePart),
+    /// Read a part of an image as the texture of this request.
+    LoadTexture {
+        /// The request's number.
+        number: u64,
+        /// The image.
+        path: PathBuf,
+        /// The part.
+        part: TexturePart,
+    },
     /// Read an image's thumbnail.
     ReadThumbnail(PathBuf),
     /// Read a picture's recipe. If its scene is not the open one, search these files for it. A picture without a recipe

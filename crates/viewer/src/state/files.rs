@@ -5,6 +5,7 @@ use super::as_command;
 use super::effect::{Effect, Keep};
 use super::listing::{Listing, folder_of, in_working_folder, path_of};
 use super::names::suggested_name;
+use super::texture_requests;
 use super::thumbnail::TexturePart;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
 use raycast_core::formats::DrawingFormat;
@@ -118,8 +119,7 @@ pub(super) fn take(
                 PromptKind::TextureOf(which) => Some(which),
                 _ => None,
             };
-            let part = TexturePart::default();
-            Some(Effect::LoadTexture(paths.pop()?, which, part))
+            texture_requests::ask(state, paths.pop()?, which, TexturePart::default())
         }
     }
 }

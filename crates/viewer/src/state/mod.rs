@@ -38,6 +38,7 @@ pub mod preferences;
 mod renumbering;
 mod session;
 pub mod shapes;
+pub mod texture_requests;
 pub mod thumbnail;
 pub mod turn;
 pub mod update;
@@ -62,6 +63,7 @@ use raycast_core::shade::{Legend, Shading};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use texture_requests::TextureRequests;
 use thumbnail::ShownImage;
 use turn::Turning;
 use viewpoint::Viewpoint;
@@ -156,6 +158,8 @@ pub struct State {
     pub turning: Turning,
     /// The image file whose thumbnail is shown.
     pub image: Option<ShownImage>,
+    /// The textures that are being read.
+    pub textures: TextureRequests,
     /// The handles in the picture.
     pub manipulating: Manipulating,
     /// The object whose name is being edited.
@@ -250,6 +254,7 @@ impl Default for State {
             locked: Arc::default(),
             turning: Turning::default(),
             image: None,
+            textures: TextureRequests::default(),
             manipulating: Manipulating::default(),
             naming: None,
             measuring: Measuring::default(),

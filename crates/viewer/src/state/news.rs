@@ -46,8 +46,15 @@ pub enum News {
     Recipe(Box<Recipe>),
     /// A task ended without a result.
     Nothing,
-    /// A texture was read, for an object or for all.
-    Texture(Arc<Texture>, PathBuf, Option<usize>),
+    /// A texture was read, or the error.
+    Texture {
+        /// The request's number; `None` for a picture without a recipe, which becomes the texture of all objects.
+        number: Option<u64>,
+        /// The image.
+        path: PathBuf,
+        /// The texture.
+        found: Result<Arc<Texture>, String>,
+    },
     /// An image's thumbnail, or why there is none.
     Thumbnail(PathBuf, Result<Arc<Thumbnail>, String>),
     /// A picture, or measurements, were written.
@@ -134,10 +141,7 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             arrival::apply(state, &recipe);
         }
         News::Nothing => {}
-        News::NotOpened(message) => {
-            state.report(message);
-            files::ask_again(state);
-        }
+        News::NotOpened(message) => not_opened(state, message),
         News::Built(scene, tree) => {
             if let Some(document) = &mut state.document
                 && document.take_tree(&scene, tree)
@@ -146,24 +150,11 @@ pub fn receive(state: &mut State, news: News, now: Duration) -> Option<Effect> {
             }
             return state.selected.map(Effect::Weigh);
         }
-        News::Texture(texture, path, which) => {
-            let path = in_working_folder(path);
-            state.typed = None;
-            state.forget_errors_of([&path]);
-            let name = match texture.crop() {
-                Some(_) => "Part of a texture",
-                None => "Texture",
-            };
-            return change(state, name, |state| {
-                if !state.settings.shading.mode.shows().textures {
-                    state.settings.shading.mode = Mode::Smooth;
-                }
-                objects::change(state, which, |object| {
-                    object.texture = Some(Arc::clone(&texture));
-                    object.texture_source = Some(path.clone());
-                })
-            });
-        }
+        News::Texture {
+            number,
+            path,
+            found,
+        } => return texture(state, number, path, found),
         News::Thumbnail(path, found) => {
             if let Some(shown) = state.image.as_mut().filter(|shown| shown.path == path) {
                 shown.found = found.map(Some);
@@ -299,4 +290,46 @@ pub fn expire_toasts(state: &mut State, now: Duration) -> Option<Duration> {
     state.toasts.retain(|toast| now < toast.since + SHOWN);
     let next = state.toasts.iter().map(|toast| toast.since + SHOWN).min()?;
     Some(next.saturating_sub(now))
+}
+
+fn not_opened(state: &mut State, message: String) {
+    state.report(message);
+    files::ask_again(state);
+}
+
+/// Lays a texture on the object that it was asked for.
+fn texture(
+    state: &mut State,
+    number: Option<u64>,
+    path: PathBuf,
+    found: Result<Arc<Texture>, String>,
+) -> Option<Effect> {
+    let scene = Arc::clone(&state.document.as_ref()?.scene);
+    let object = match number {
+        Some(number) => state.textures.end(number, &scene).ok()?,
+        None => None,
+    };
+    let texture = match found {
+        Ok(texture) => texture,
+        Err(message) => {
+            not_opened(state, message);
+            return None;
+        }
+    };
+    let path = in_working_folder(path);
+    state.typed = None;
+    state.forget_errors_of([&path]);
+    let name = match texture.crop() {
+        Some(_) => "Part of a texture",
+        None => "Texture",
+    };
+    change(state, name, |state| {
+        if !state.settings.shading.mode.shows().textures {
+            state.settings.shading.mode = Mode::Smooth;
+        }
+        objects::change(state, object, |object| {
+            object.texture = Some(Arc::clone(&texture));
+            object.texture_source = Some(path.clone());
+        })
+    })
 }

@@ -5,6 +5,7 @@ use super::effect::Effect;
 use super::manipulator;
 use super::measure::Kind;
 use super::pick::Pinned;
+use super::texture_requests;
 use super::thumbnail::{ShownImage, TexturePart};
 use super::viewpoint::fov_range;
 use super::{Palette, PromptKind, Resolution, SAMPLES_LIMIT, State};
@@ -368,7 +369,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::LoadTexture(path, which) => {
             (state.prompt, state.typed) = (None, None);
-            return Some(Effect::LoadTexture(path, which, TexturePart::default()));
+            return texture_requests::ask(state, path, which, TexturePart::default());
         }
         Command::SetTexturePart(which, part) => {
             if !objects::is_free(state, which) {
@@ -376,7 +377,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             }
             let object = state.document.as_ref()?.scene.objects.get(which)?;
             let path = object.texture_source.clone()?;
-            return Some(Effect::LoadTexture(path, Some(which), part));
+            return texture_requests::ask(state, path, Some(which), part);
         }
         Command::ShowImage(path) => {
             let found = Ok(None);

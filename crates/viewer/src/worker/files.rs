@@ -243,18 +243,21 @@ impl Files {
         });
     }
 
-    /// Reads a part of an image as a texture of an object, or of all.
-    pub fn load_texture(&self, path: PathBuf, which: Option<usize>, part: TexturePart) {
+    /// Reads a part of an image as the texture of a request.
+    pub fn load_texture(&self, number: u64, path: PathBuf, part: TexturePart) {
         let budget = memory::budget(self.limits.get());
         self.shared.spawn("raycast-texture", ANY, move |shared| {
             lock(&shared.opened).push(path.clone());
             let texture = formats::read_texture_within(&path, &budget);
-            Ok(match texture.map(|image| part_of(image, part)) {
-                Ok(Some(texture)) => News::Texture(Arc::new(texture), path, which),
-                Ok(None) => {
-                    News::NotOpened(format!("{}: the image is smaller now", path.display()))
-                }
-                Err(error) => News::NotOpened(error.to_string()),
+            let found = match texture.map(|image| part_of(image, part)) {
+                Ok(Some(texture)) => Ok(Arc::new(texture)),
+                Ok(None) => Err(format!("{}: the image is smaller now", path.display())),
+                Err(error) => Err(error.to_string()),
+            };
+            Ok(News::Texture {
+                number: Some(number),
+                path,
+                found,
             })
         });
     }

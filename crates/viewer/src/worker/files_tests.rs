@@ -219,8 +219,8 @@ fn a_picture_is_not_written_over_what_was_opened() {
     let path = folder.path().join("skin.png");
     std::fs::write(&path, "P3\n1 1\n255\n1 2 3\n").expect("written");
     let files = files();
-    files.load_texture(path.clone(), None, TexturePart::default());
-    assert!(matches!(wait(&files), News::Texture(..)));
+    files.load_texture(1, path.clone(), TexturePart::default());
+    assert!(matches!(wait(&files), News::Texture { found: Ok(_), .. }));
     files.save(picture(), path.clone(), true);
     assert!(matches!(wait(&files), News::NotSaved(text) if text.contains("skin.png")));
     assert!(std::fs::read(&path).expect("a file").starts_with(b"P3"));
@@ -241,16 +241,22 @@ fn parts_and_thumbnails_are_those_of_the_image() {
         }),
         wrap: [Wrap::Clamp; 2],
     };
-    files.load_texture(path.clone(), Some(7), part(1));
-    match wait(&files) {
-        News::Texture(texture, of, Some(7)) => {
-            assert_eq!(texture.texels(), [[4, 5, 6, 255], [7, 8, 9, 255]]);
-            assert_eq!((TexturePart::of(&texture), of), (part(1), path.clone()));
+    let read = |number: u64, x: u32| {
+        files.load_texture(number, path.clone(), part(x));
+        match wait(&files) {
+            News::Texture {
+                number: Some(of),
+                path: from,
+                found,
+            } if (of, &from) == (number, &path) => found,
+            news => panic!("{news:?}"),
         }
-        news => panic!("{news:?}"),
-    }
-    files.load_texture(path.clone(), Some(7), part(2));
-    assert!(matches!(wait(&files), News::NotOpened(text) if text.contains("smaller")));
+    };
+    let texture = read(7, 1).expect("a part");
+    assert_eq!(texture.texels(), [[4, 5, 6, 255], [7, 8, 9, 255]]);
+    assert_eq!(TexturePart::of(&texture), part(1));
+    let error = read(8, 2).expect_err("too far right");
+    assert!(error.contains("smaller"), "{error}");
 
     files.read_thumbnail(path.clone());
     match wait(&files) {

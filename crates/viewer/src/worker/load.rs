@@ -88,7 +88,11 @@ impl Load<'_> {
             lock(&self.shared.opened).push(path.to_owned());
             let texture = formats::read_texture_within(path, &budget);
             let texture = Arc::new(texture.map_err(|error| error.to_string())?);
-            return Ok(News::Texture(texture, path.to_owned(), None));
+            return Ok(News::Texture {
+                number: None,
+                path: path.to_owned(),
+                found: Ok(texture),
+            });
         };
         let recipe = Box::new(recipe);
         if scene.is_some_and(|scene| scene.content() == recipe.scene) {

@@ -46,10 +46,23 @@ fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
 fn a_rectangle_drawn_on_its_image_is_the_part_that_is_shown() {
     let mut harness = open_two();
     let path = std::env::temp_dir().join("skin.png");
-    let image = |image: Texture| News::Texture(Arc::new(image), path.clone(), Some(0));
+    let image = |number: u64, image: Texture| News::Texture {
+        number: Some(number),
+        path: path.clone(),
+        found: Ok(Arc::new(image)),
+    };
+    let load = |number: u64, part: TexturePart| Effect::LoadTexture {
+        number,
+        path: path.clone(),
+        part,
+    };
     let bench = harness.state_mut();
     let whole = Texture::new(64, 32, vec![[200, 150, 100, 255]; 64 * 32]).expect("texels");
-    receive(&mut bench.state, image(whole.clone()), Duration::ZERO);
+    update(
+        &mut bench.state,
+        Command::LoadTexture(path.clone(), Some(0)),
+    );
+    receive(&mut bench.state, image(1, whole.clone()), Duration::ZERO);
     click(&mut harness, "left one");
     click(&mut harness, "Whole image");
     assert!(
@@ -96,18 +109,23 @@ fn a_rectangle_drawn_on_its_image_is_the_part_that_is_shown() {
         }),
         ..TexturePart::default()
     };
-    let load = Effect::LoadTexture(path.clone(), Some(0), part);
-    assert_eq!(harness.state().effects[count..], [load]);
+    assert_eq!(harness.state().effects[count..], [load(2, part)]);
+    // It is told before the image is read again.
+    harness.get_by_label("33×17 at 8, 4");
     let cut = part
         .crop
         .and_then(|crop| whole.cropped(crop))
         .expect("a part");
-    receive(&mut harness.state_mut().state, image(cut), Duration::ZERO);
+    receive(
+        &mut harness.state_mut().state,
+        image(2, cut),
+        Duration::ZERO,
+    );
     harness.run();
     harness.get_by_label("33×17 at 8, 4");
     click(&mut harness, "Show the whole image");
-    let load = Effect::LoadTexture(path, Some(0), TexturePart::default());
-    assert_eq!(harness.state().effects.last(), Some(&load));
+    let whole = load(3, TexturePart::default());
+    assert_eq!(harness.state().effects.last(), Some(&whole));
 }
 
 #[test]

@@ -548,17 +548,22 @@ fn a_whole_name_that_is_typed_over_the_suggestion_keeps_one_ending() {
 /// A path that cannot be read or written stays to be corrected, whatever it is for.
 #[test]
 fn a_path_that_fails_stays_to_be_corrected() {
-    let not_opened = || News::NotOpened("b: no image".to_owned());
-    let not_saved = || News::NotSaved("b: the disk is full".to_owned());
     let good = std::path::PathBuf::from("b.png");
+    let read = |number, found| News::Texture {
+        number: Some(number),
+        path: good.clone(),
+        found,
+    };
+    let no_image = || Err("b: no image".to_owned());
+    let not_saved = || News::NotSaved("b: the disk is full".to_owned());
     let texture = Texture::new(1, 1, vec![[0; 4]])
         .map(Arc::new)
         .expect("a texel");
     for (kind, bad, done) in [
         (
             PromptKind::Texture,
-            not_opened(),
-            News::Texture(texture, good.clone(), None),
+            read(1, no_image()),
+            read(2, Ok(texture)),
         ),
         (
             PromptKind::Picture,

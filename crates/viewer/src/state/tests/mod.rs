@@ -7,6 +7,7 @@ mod manipulator_tests;
 mod object_tests;
 mod pick_tests;
 mod picture_tests;
+mod texture_tests;
 
 use super::command::Command;
 use super::effect::Effect;

@@ -1,8 +1,6 @@
 //! Tests of changes to objects, and of their faults.
 
 use super::*;
-use crate::state::thumbnail::{TexturePart, Thumbnail};
-use raycast_core::scene::{Crop, Wrap};
 
 #[test]
 fn hiding_asks_for_a_tree_and_the_last_picture_stays_until_it_is_there() {
@@ -472,94 +470,6 @@ fn a_locked_object_stays_as_it_is_and_the_lock_goes_with_it() {
     assert!(state.is_locked(0) && !state.is_locked(1));
     update(&mut state, Command::Undo);
     assert!(state.is_locked(1) && !state.is_locked(0));
-}
-
-#[test]
-fn a_texture_lies_on_the_object_that_it_was_loaded_for() {
-    let mut state = opened(2);
-    let kind = PromptKind::TextureOf(1);
-    assert_eq!(
-        update(&mut state, Command::Ask(kind)),
-        Some(Effect::Dialog(kind))
-    );
-    update(&mut state, Command::TypePath("/tmp/skin.png".to_owned()));
-    let path = PathBuf::from("/tmp/skin.png");
-    let load = Effect::LoadTexture(path.clone(), Some(1), TexturePart::default());
-    assert_eq!(update(&mut state, Command::ConfirmPath), Some(load));
-    let texture = Texture::new(1, 1, vec![[9, 8, 7, 255]])
-        .map(Arc::new)
-        .expect("a texel");
-    receive(
-        &mut state,
-        News::Texture(texture, path, Some(1)),
-        Duration::ZERO,
-    );
-    let has = |state: &State| {
-        let objects = document(state).scene.objects.iter();
-        objects
-            .map(|object| object.texture.is_some())
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(has(&state), [false, true]);
-    update(&mut state, Command::RemoveTexture(Some(1)));
-    assert_eq!(has(&state), [false, false]);
-    update(&mut state, Command::Undo);
-    assert_eq!(has(&state), [false, true]);
-}
-
-#[test]
-fn a_part_of_an_image_is_read_from_its_file() {
-    let mut state = opened(2);
-    let path = PathBuf::from("/tmp/skin.png");
-    let show = |state: &mut State| update(state, Command::ShowImage(path.clone()));
-    assert_eq!(show(&mut state), Some(Effect::ReadThumbnail(path.clone())));
-    let found = |state: &State| state.image.as_ref().map(|shown| shown.found.clone());
-    assert_eq!(found(&state), Some(Ok(None)));
-    let small = Arc::new(Thumbnail {
-        of: (8, 4),
-        size: [1, 1],
-        texels: vec![[1, 2, 3, 255]],
-    });
-    let other = News::Thumbnail(PathBuf::from("/tmp/b.png"), Err("no file".to_owned()));
-    receive(&mut state, other, Duration::ZERO);
-    assert_eq!(found(&state), Some(Ok(None)), "another image's");
-    let news = News::Thumbnail(path.clone(), Ok(Arc::clone(&small)));
-    receive(&mut state, news, Duration::ZERO);
-    assert_eq!(found(&state), Some(Ok(Some(small))));
-
-    let part = TexturePart {
-        crop: Some(Crop {
-            x: 1,
-            y: 0,
-            width: 2,
-            height: 1,
-        }),
-        wrap: [Wrap::Mirror, Wrap::Clamp],
-    };
-    let choose = Command::SetTexturePart(1, part);
-    assert_eq!(update(&mut state, choose.clone()), None, "it has no image");
-    let image = Texture::new(4, 1, vec![[9; 4]; 4]).expect("texels");
-    let has = |state: &State| document(state).scene.objects[1].texture.clone();
-    let arrive = |state: &mut State, image: Texture| {
-        let news = News::Texture(Arc::new(image), path.clone(), Some(1));
-        receive(state, news, Duration::ZERO);
-    };
-    arrive(&mut state, image.clone());
-    let load = Effect::LoadTexture(path.clone(), Some(1), part);
-    assert_eq!(update(&mut state, choose.clone()), Some(load));
-    let cut = part
-        .crop
-        .and_then(|crop| image.cropped(crop))
-        .expect("a part");
-    arrive(&mut state, cut.wrapped(part.wrap));
-    assert_eq!(
-        has(&state).map(|texture| TexturePart::of(&texture)),
-        Some(part)
-    );
-    update(&mut state, Command::Undo);
-    assert_eq!(has(&state).as_deref(), Some(&image));
-    update(&mut state, Command::SetLocked(1, true));
-    assert_eq!(update(&mut state, choose), None, "locked");
 }
 
 #[test]
