@@ -35,9 +35,9 @@ fn a_turntables_frames_are_the_pictures_of_their_orbits() {
     };
     render(&mesh, &at("orbit.png"), &["--orbit", "157,16,5"]);
     let (turned, orbit) = (camera("turn-003.png"), camera("orbit.png"));
-    let apart = turned.placement().eye.distance(orbit.placement().eye);
+    let apart = turned.pose().eye.distance(orbit.pose().eye);
     assert!(apart < 1e-9, "{apart}");
-    assert!(turned.placement().up.distance(orbit.placement().up) < 1e-9);
+    assert!(turned.pose().up.distance(orbit.pose().up) < 1e-9);
 }
 
 #[test]

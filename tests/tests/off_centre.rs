@@ -2,9 +2,7 @@
 //! split gives the same bytes, with every pixel filter.
 
 use raycast_core::Cull;
-use raycast_core::camera::{
-    BrownConrady, Camera, Grid, ImagePlane, PixelFilter, Placement, Projection,
-};
+use raycast_core::camera::{BrownConrady, Camera, Grid, ImagePlane, PixelFilter, Pose, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::picture::{Picture, Recipe};
 use raycast_core::shade::{Background, Mode, Wireframe};
@@ -21,9 +19,9 @@ fn stage() -> Stage {
 }
 
 fn camera(projection: Projection, size: (u32, u32)) -> Camera {
-    let placement = Placement::towards(DVec3::new(0.7, 0.4, 4.0), DVec3::ZERO);
+    let pose = Pose::towards(DVec3::new(0.7, 0.4, 4.0), DVec3::ZERO);
     let plane = ImagePlane::new(size.0, size.1, 0.04).expect("a good plane");
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 fn lenses() -> [Projection; 2] {

@@ -2,7 +2,7 @@
 //! a cube are six perspective pictures.
 
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, Grid, ImagePlane, Panorama, Placement, Projection};
+use raycast_core::camera::{Camera, Grid, ImagePlane, Panorama, Pose, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::picture::{ImageFile, Picture, Recipe};
 use raycast_core::scene::{Object, Scene, Texture};
@@ -42,10 +42,10 @@ const EYE: DVec3 = DVec3::new(0.1, 0.2, -0.1);
 const TARGET: DVec3 = DVec3::new(0.4, 0.1, -1.5);
 
 fn camera(projection: Projection, fov: f64, size: (u32, u32)) -> Camera {
-    let placement = Placement::towards(EYE, TARGET);
+    let pose = Pose::towards(EYE, TARGET);
     let step = projection.frame(fov, EYE.distance(TARGET)) / f64::from(size.1);
     let plane = ImagePlane::new(size.0, size.1, step).expect("a good plane");
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 /// All of a panorama, and a border around it.
@@ -129,13 +129,13 @@ fn faces_of_a_cube_are_perspective_pictures_of_a_right_angle() {
         (1, 0, up, -forward),
         (1, 2, -up, forward),
     ] {
-        let placement = Placement {
+        let pose = Pose {
             eye: EYE,
             target: EYE + way,
             up: top,
         };
         let plane = ImagePlane::new(side, side, 2.0 / f64::from(side)).expect("a good plane");
-        let face = Camera::new(placement, Projection::Perspective, plane);
+        let face = Camera::new(pose, Projection::Perspective, plane);
         let face = triangles(&render(&stage.view(face, Cull::None), Grid::default()));
         let others = (0..side * side).filter(|i| {
             let (x, y) = (column * side + i % side, row * side + i / side);

@@ -8,7 +8,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use raycast_core::Cull;
-use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Ray, Rect};
+use raycast_core::camera::{Camera, ImagePlane, Lattice, Pose, Projection, Ray, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 use raycast_report::meshes::mesh;
@@ -251,7 +251,7 @@ enum Step {
 
 impl Shot {
     fn lattice(&self, shape: &Shape) -> Lattice {
-        let placement = Placement {
+        let pose = Pose {
             eye: place(self.eye, shape),
             target: place(self.target, shape),
             up: DVec3::Y,
@@ -259,7 +259,7 @@ impl Shot {
         let (width, height) = self.size;
         let (x, y) = self.first;
         let [columns, rows] = [width * self.stride + 2 * x, height * self.stride + 2 * y];
-        let distance = match (placement.eye - placement.target).length() {
+        let distance = match (pose.eye - pose.target).length() {
             0.0 => 1.0,
             distance => distance,
         };
@@ -282,7 +282,7 @@ impl Shot {
         let offset = |number: Number| (number.get() / 8.0).clamp(0.0, 1.0);
         Lattice {
             offset: (offset(self.offset.0), offset(self.offset.1)),
-            ..Camera::new(placement, projection, plane)
+            ..Camera::new(pose, projection, plane)
                 .sub_camera(rect)
                 .sparse_lattice(self.stride, (0, 0))
         }

@@ -199,7 +199,7 @@ fn demo_scene() {
     let shading = file.shading.unwrap_or_default();
     let placed = file.camera.expect("the demo scene has a camera");
     let stage = Stage::from_scene(file.scene);
-    let distance = (placed.placement.target - placed.placement.eye).length();
+    let distance = (placed.pose.target - placed.pose.eye).length();
     let height = match placed.projection {
         Projection::Perspective | Projection::Panoramic(_) => {
             raycast_core::camera::fov_to_frame(placed.frame, distance)
@@ -207,8 +207,8 @@ fn demo_scene() {
         Projection::Orthographic => placed.frame,
     };
     let camera = camera(
-        placed.placement.eye,
-        placed.placement.target,
+        placed.pose.eye,
+        placed.pose.target,
         placed.projection,
         (96, 64),
         height,

@@ -229,7 +229,7 @@ fn a_sub_camera_shows_its_part_of_the_whole() {
             };
             let tile = view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
             let mut patched = whole.clone();
-            assert!(patched.place(tile.rect, &tile.pixels, tile.layers.as_ref()));
+            assert!(patched.paste(tile.rect, &tile.pixels, tile.layers.as_ref()));
             assert!(patched == whole, "{rect:?} {projection:?}");
             assert_eq!((tile.rect, tile.pixels.len()), (rect, rect.area()));
         }
@@ -262,7 +262,7 @@ fn the_last_pass_equals_the_render() {
                     &Cancel::default(),
                     &|_, tile| {
                         let mut picture = picture.lock().expect("no worker panicked");
-                        assert!(picture.place(tile.rect, &tile.pixels, tile.layers.as_ref()));
+                        assert!(picture.paste(tile.rect, &tile.pixels, tile.layers.as_ref()));
                     },
                 )
             });
@@ -375,13 +375,7 @@ fn whole(stage: &Stage, projection: Projection, size: (u32, u32)) -> Camera {
         pitch: Orbit::DEFAULT_ANGLES.1,
         distance: radius * 3.0,
     };
-    camera(
-        orbit.placement().eye,
-        center,
-        projection,
-        size,
-        radius * 2.0,
-    )
+    camera(orbit.pose().eye, center, projection, size, radius * 2.0)
 }
 
 /// Every mesh renders without a window, and shows brute force's triangle and the oracle's on a grid

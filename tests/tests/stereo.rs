@@ -2,7 +2,7 @@
 
 use raycast_core::Cull;
 use raycast_core::camera::{
-    BrownConrady, Camera, Grid, ImagePlane, Panorama, PixelFilter, Placement, Projection, Stereo,
+    BrownConrady, Camera, Grid, ImagePlane, Panorama, PixelFilter, Pose, Projection, Stereo,
     StereoKind,
 };
 use raycast_core::glam::DVec3;
@@ -52,10 +52,10 @@ fn cameras() -> Vec<Camera> {
         (ALL_AROUND, ods, (101, 102), 0.27),
     ]
     .map(|(projection, stereo, (columns, rows), step)| {
-        let placement = Placement::towards(DVec3::new(0.7, 0.4, 4.0), DVec3::ZERO);
+        let pose = Pose::towards(DVec3::new(0.7, 0.4, 4.0), DVec3::ZERO);
         let plane = ImagePlane::new(columns, rows, step).expect("a good plane");
         stereo.check(projection, Some(plane)).expect("possible");
-        Camera::new(placement, projection, plane).in_stereo(Some(stereo))
+        Camera::new(pose, projection, plane).in_stereo(Some(stereo))
     })
     .to_vec()
 }
@@ -106,7 +106,7 @@ fn every_split_gives_the_same_bytes_and_recipes_read_back() {
         let mut stitched = Picture::blank(plane.columns, plane.rows, true);
         for rect in Grid::Size(40).tiles(plane.columns, plane.rows) {
             let tile = view.render_sub_camera(camera.sub_camera(rect), &|| Duration::ZERO);
-            stitched.place(rect, &tile.pixels, tile.layers.as_ref());
+            stitched.paste(rect, &tile.pixels, tile.layers.as_ref());
         }
         assert!(stitched == expected, "{camera:?}");
         view.settings.layers = false;
@@ -193,23 +193,23 @@ fn a_pairs_halves_are_pictures_from_either_side() {
         eye_distance: 0.5,
         convergence: Some(f64::INFINITY),
     };
-    let placement = Placement::towards(DVec3::new(0.7, 0.4, 4.0), DVec3::ZERO);
+    let pose = Pose::towards(DVec3::new(0.7, 0.4, 4.0), DVec3::ZERO);
     let plane = ImagePlane::new(160, 70, 0.04).expect("a good plane");
-    let camera = Camera::new(placement, Projection::Perspective, plane);
+    let camera = Camera::new(pose, Projection::Perspective, plane);
     let both = stage.view(camera.in_stereo(Some(stereo)), Cull::None);
     let both = render(&both, Grid::default());
     for (half, side) in [-0.25, 0.25].into_iter().enumerate() {
         let aside = camera.right() * side;
-        let placement = Placement {
-            eye: placement.eye + aside,
-            target: placement.target + aside,
-            ..placement
+        let pose = Pose {
+            eye: pose.eye + aside,
+            target: pose.target + aside,
+            ..pose
         };
         let plane = ImagePlane {
             columns: 80,
             ..plane
         };
-        let alone = Camera::new(placement, Projection::Perspective, plane);
+        let alone = Camera::new(pose, Projection::Perspective, plane);
         let alone = render(&stage.view(alone, Cull::None), Grid::default());
         let [of_both, of_one] =
             [&both, &alone].map(|picture| picture.layers.as_ref().expect("layers"));

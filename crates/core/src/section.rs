@@ -184,7 +184,7 @@ impl SectionAxes {
     }
 
     /// Coordinates of a point of the plane along the axes, in scene units from the world's origin.
-    pub fn place(&self, point: DVec3) -> DVec2 {
+    pub fn coordinates(&self, point: DVec3) -> DVec2 {
         DVec2::new(point.dot(self.right), point.dot(self.up))
     }
 }
@@ -205,9 +205,9 @@ mod tests {
     fn area(lines: &[SectionLine], plane: &ClippingPlane) -> f64 {
         let axes = SectionAxes::of(plane);
         let of = |line: &SectionLine| {
-            let places: Vec<DVec2> = line.points.iter().map(|&p| axes.place(p)).collect();
-            let next = places.iter().cycle().skip(1);
-            places
+            let points: Vec<DVec2> = line.points.iter().map(|&p| axes.coordinates(p)).collect();
+            let next = points.iter().cycle().skip(1);
+            points
                 .iter()
                 .zip(next)
                 .map(|(a, b)| a.perp_dot(*b))

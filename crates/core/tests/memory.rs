@@ -37,8 +37,8 @@ fn pass(mode: Mode) -> Vec<u8> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/demo.raycast.toml");
     let file = read_scene(&path, &|_| ()).expect("the demo scene is good");
     let camera = file.camera.expect("the demo scene has a camera");
-    let placement = camera.placement;
-    let height = fov_to_frame(camera.frame, (placement.target - placement.eye).length());
+    let pose = camera.pose;
+    let height = fov_to_frame(camera.frame, (pose.target - pose.eye).length());
     let plane = ImagePlane::new(SIZE.0, SIZE.1, height / f64::from(SIZE.1)).expect("a good plane");
     let accel = Accel::build(&file.scene).expect("the demo scene is good");
     let mut shading = file.shading.unwrap_or_default();
@@ -46,7 +46,7 @@ fn pass(mode: Mode) -> Vec<u8> {
     let view = View {
         scene: Arc::new(file.scene),
         accel: Arc::new(accel),
-        camera: Camera::new(placement, camera.projection, plane),
+        camera: Camera::new(pose, camera.projection, plane),
         settings: Settings {
             shading,
             samples: 1,

@@ -1,6 +1,6 @@
 //! Cameras and their rays, made in code.
 
-use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection};
+use raycast_core::camera::{Camera, ImagePlane, Lattice, Pose, Projection};
 use raycast_core::glam::DVec3;
 
 /// Both planar projections.
@@ -17,12 +17,12 @@ pub fn camera(
     height: f64,
 ) -> Camera {
     let plane = ImagePlane::new(columns, rows, height / f64::from(rows)).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye,
         target,
         up: DVec3::Y,
     };
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 /// The rays through the centres of all of a camera's pixels.

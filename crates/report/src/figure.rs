@@ -46,7 +46,7 @@ impl Figure {
     pub fn triangle(&mut self, corners: [DVec3; 3], color: Color) {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        let to_eye = self.camera.placement().eye - a;
+        let to_eye = self.camera.pose().eye - a;
         let normal = if normal.dot(to_eye) < 0.0 {
             -normal
         } else {
@@ -77,7 +77,7 @@ impl Figure {
     /// Adds a line of constant width in pixels and of one colour; nothing if an end is behind the camera.
     pub fn line(&mut self, from: DVec3, to: DVec3, pixels: f64, color: Color) {
         let camera = &self.camera;
-        let depth = |point: DVec3| (point - camera.placement().eye).dot(camera.forward());
+        let depth = |point: DVec3| (point - camera.pose().eye).dot(camera.forward());
         let width = |point| depth(point) / camera.distance() * camera.plane().step * pixels;
         let (from_width, to_width) = (width(from), width(to));
         let along = (to - from).normalize_or_zero();
@@ -199,17 +199,17 @@ fn image(width: u32, height: u32, pixels: &[[u8; 4]]) -> RgbImage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::camera::{ImagePlane, Placement, Projection};
+    use raycast_core::camera::{ImagePlane, Pose, Projection};
 
     #[test]
     fn lines_are_as_wide_far_as_near() {
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.0, 0.0, 10.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(160, 120, 0.05).expect("a plane");
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let black = Color([0; 3]);
         let mut figure = Figure::new(camera, Simd::best());
         // Receding from the eye, beside the view axis.

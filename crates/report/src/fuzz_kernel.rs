@@ -10,7 +10,7 @@ use crate::stage::{Stage, scene_of};
 use crate::wrong_answer::compare;
 use raycast_core::Simd;
 use raycast_core::camera::{
-    BrownConrady, Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Ray, Rect,
+    BrownConrady, Camera, ImagePlane, Lattice, Panorama, Pose, Projection, Ray, Rect,
 };
 use raycast_core::glam::DVec3;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
@@ -57,7 +57,7 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
     let eye = source.place(&points, &triangles);
     let target = source.place(&points, &triangles);
     let up = [DVec3::Y, DVec3::Z, DVec3::ZERO, DVec3::new(1.0, 2.0, -0.5)][source.below(4)];
-    let placement = Placement { eye, target, up };
+    let pose = Pose { eye, target, up };
     let distance = match (eye - target).length() {
         0.0 => 1.0,
         distance => distance,
@@ -85,7 +85,7 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
     });
     let lattice = Lattice {
         offset: offset.into(),
-        ..Camera::new(placement, projection, plane)
+        ..Camera::new(pose, projection, plane)
             .sub_camera(rect)
             .sparse_lattice(stride, (0, 0))
     };

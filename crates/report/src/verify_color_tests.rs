@@ -6,9 +6,9 @@ use crate::stage::Stage;
 use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::{
     Attribute, Color, ColorMap, ColorScale, Material, Mesh, MeshData, Object, Photograph,
-    Reflectance, Scalar, ScalarAt, Scene, Texture,
+    Reflectance, Scalar, ScalarAt, Scene, Texture, TextureProjection,
 };
-use raycast_core::shade::{Filter, LightSet, Mode, Shading, TextureProjection};
+use raycast_core::shade::{Filter, LightSet, Mode, Shading};
 use std::sync::Arc;
 
 /// Photographs on objects with and without transform; some surfaces are hidden from them, some are outside their

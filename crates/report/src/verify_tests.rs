@@ -9,9 +9,9 @@ use raycast_core::glam::{DVec3, Vec2, Vec3};
 use raycast_core::render::Cancel;
 use raycast_core::scene::{
     Attribute, Color, ColorRule, Mesh, MeshData, Object, Scalar, ScalarAt, Scene, Texture,
-    Transform,
+    TextureProjection, Transform,
 };
-use raycast_core::shade::{Background, Filter, LightSet, Mode, TextureProjection, Wireframe};
+use raycast_core::shade::{Background, Filter, LightSet, Mode, Wireframe};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;

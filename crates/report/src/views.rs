@@ -32,9 +32,5 @@ pub fn filling(
         ..PlaneRequest::default()
     }
     .resolve(size, fov_to_frame(fov, orbit.distance))?;
-    Ok(Camera::new(
-        orbit.placement(),
-        Projection::Perspective,
-        plane,
-    ))
+    Ok(Camera::new(orbit.pose(), Projection::Perspective, plane))
 }

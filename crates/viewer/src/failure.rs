@@ -1,6 +1,6 @@
 //! Failures of commands.
 
-use raycast_core::camera::{PlacementError, PlaneError};
+use raycast_core::camera::{PlaneError, PoseError};
 use raycast_core::formats::FormatError;
 use raycast_core::picture::{FragmentError, ImageError, OutOfMemory};
 use raycast_core::scene::SceneError;
@@ -102,8 +102,8 @@ impl From<PlaneError> for Failure {
     }
 }
 
-impl From<PlacementError> for Failure {
-    fn from(error: PlacementError) -> Self {
+impl From<PoseError> for Failure {
+    fn from(error: PoseError) -> Self {
         Self::Usage(Reason::of(error))
     }
 }

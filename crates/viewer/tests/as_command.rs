@@ -3,8 +3,10 @@
 use raycast_core::Cull;
 use raycast_core::camera::{Grid, PixelFilter, Projection};
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ClippingPlane, Color, ColorMap, ColorScale, Transform};
-use raycast_core::shade::{Ground, Mode, TextureProjection};
+use raycast_core::scene::{
+    ClippingPlane, Color, ColorMap, ColorScale, TextureProjection, Transform,
+};
+use raycast_core::shade::{Ground, Mode};
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::effect::{Effect, Keep};
 use raycast_viewer::state::news::{News, receive};

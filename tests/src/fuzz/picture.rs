@@ -75,19 +75,19 @@ fn camera(file: &SceneFile) -> Option<Camera> {
         let projection = Projection::Perspective;
         orbit.distance = fit_distance(&bounds, &orbit, projection, 45.0, aspect);
         CameraFile {
-            placement: orbit.placement(),
+            pose: orbit.pose(),
             projection,
             frame: 45.0,
         }
     });
-    let placement = camera.placement;
-    let distance = (placement.target - placement.eye).length();
+    let pose = camera.pose;
+    let distance = (pose.target - pose.eye).length();
     let height = match camera.projection {
         Projection::Orthographic => camera.frame,
         other => other.frame(camera.frame, distance),
     };
     let plane = ImagePlane::new(columns, rows, height / f64::from(rows)).ok()?;
-    Some(Camera::new(placement, camera.projection, plane))
+    Some(Camera::new(pose, camera.projection, plane))
 }
 
 fn is_sound(tile: &Tile) -> Result<(), String> {
@@ -175,9 +175,9 @@ mod tests {
         let tile = view.render_sub_camera(view.camera.sub_camera(rect), &|| Duration::ZERO);
         assert_eq!(shows_what_rays_meet(&view, &tile), Ok(()));
         let mut moved = view.clone();
-        let mut placement = view.camera.placement();
-        placement.eye += DVec3::X * 100.0;
-        moved.camera = Camera::new(placement, Projection::Perspective, view.camera.plane());
+        let mut pose = view.camera.pose();
+        pose.eye += DVec3::X * 100.0;
+        moved.camera = Camera::new(pose, Projection::Perspective, view.camera.plane());
         assert!(shows_what_rays_meet(&moved, &tile).is_err());
         tile
     }

@@ -45,7 +45,7 @@ pub(super) struct MeshTree {
     /// Triangles that are left out because their placement moved them out of range.
     pub(super) out_of_range: u32,
     /// Whether it contains only the triangles that are within range under one placement; it then serves no other.
-    pub(super) is_for_one_place: bool,
+    pub(super) is_placed: bool,
 }
 
 impl MeshTree {
@@ -85,7 +85,7 @@ impl MeshTree {
             triangles,
             tree,
             out_of_range: self.out_of_range,
-            is_for_one_place: self.is_for_one_place,
+            is_placed: self.is_placed,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::flatten::{PlacedObject, World, in_range};
 use super::instances::{Instances, Opened};
-use super::layout::{Place, inner, join};
+use super::layout::{LayoutOffset, inner, join};
 use super::placement::{BoxPlacement, Placement};
 use super::top_level::{Root, TOP_DEPTH, top_level};
 use super::tree::{Box32, Node, Subtree, Tree};
@@ -114,7 +114,7 @@ struct Joined<'p> {
     top: Vec<Opened>,
     root: Subtree,
     /// The numbers of inner nodes and triangles below each top-level node.
-    sizes: Vec<Place>,
+    sizes: Vec<LayoutOffset>,
 }
 
 impl<'p> Joined<'p> {
@@ -128,7 +128,7 @@ impl<'p> Joined<'p> {
         let mut joined = Self {
             world,
             parts,
-            sizes: vec![Place::default(); top.len()],
+            sizes: vec![LayoutOffset::default(); top.len()],
             top,
             root: root?.0,
         };
@@ -140,13 +140,13 @@ impl<'p> Joined<'p> {
         Some(joined)
     }
 
-    fn size(&self, subtree: Subtree) -> Place {
+    fn size(&self, subtree: Subtree) -> LayoutOffset {
         match subtree.node() {
             Some(index) => self.sizes[index as usize],
             None => {
                 let TreeTopology { order, nodes, .. } =
                     &*self.parts[subtree.first as usize].topology;
-                Place::default().after(nodes.len(), order.len())
+                LayoutOffset::default().after(nodes.len(), order.len())
             }
         }
     }
@@ -158,7 +158,12 @@ impl<'p> Joined<'p> {
         let all = |count: usize| (0..count).into_par_iter();
         let mut nodes: Vec<Node> = all(size.node).map(|_| Node::default()).collect();
         let mut triangles: Vec<Triangle> = all(size.primitive).map(|_| EMPTY).collect();
-        let root = self.below(self.root, Place::default(), &mut nodes, &mut triangles)?;
+        let root = self.below(
+            self.root,
+            LayoutOffset::default(),
+            &mut nodes,
+            &mut triangles,
+        )?;
         Some((Tree::new(nodes, root), triangles))
     }
 
@@ -166,7 +171,7 @@ impl<'p> Joined<'p> {
     fn below(
         &self,
         subtree: Subtree,
-        place: Place,
+        start: LayoutOffset,
         nodes: &mut [Node],
         triangles: &mut [Triangle],
     ) -> Option<(Subtree, Box32)> {
@@ -183,17 +188,17 @@ impl<'p> Joined<'p> {
                 Some((mesh, None)) => {
                     let corners = |own| mesh.corners(own).unwrap_or([Vec3::NAN; 3]);
                     let triangle = |own| (corners(own), number(own));
-                    fill((order, topology), &triangle, place, nodes, triangles)
+                    fill((order, topology), &triangle, start, nodes, triangles)
                 }
                 Some((mesh, Some(placement))) => {
                     let corners = |own| mesh.corners(own).unwrap_or([Vec3::NAN; 3]);
                     let placed = |own| corners(own).map(|corner| placement.corner(corner));
                     let triangle = |own| (placed(own), number(own));
-                    fill((order, topology), &triangle, place, nodes, triangles)
+                    fill((order, topology), &triangle, start, nodes, triangles)
                 }
                 None => {
                     let triangle = |own| (world.triangle(own).corners, own);
-                    fill((order, topology), &triangle, place, nodes, triangles)
+                    fill((order, topology), &triangle, start, nodes, triangles)
                 }
             };
         };
@@ -203,14 +208,14 @@ impl<'p> Joined<'p> {
         let (node, below) = nodes.split_first_mut()?;
         let (a_nodes, b_nodes) = below.split_at_mut(size.node);
         let (a_triangles, b_triangles) = triangles.split_at_mut(size.primitive);
-        let a_place = place.after(1, 0);
-        let b_place = a_place.after(size.node, size.primitive);
+        let a_start = start.after(1, 0);
+        let b_start = a_start.after(size.node, size.primitive);
         let (a, b) = join(
             count,
-            || self.below(a, a_place, a_nodes, a_triangles),
-            || self.below(b, b_place, b_nodes, b_triangles),
+            || self.below(a, a_start, a_nodes, a_triangles),
+            || self.below(b, b_start, b_nodes, b_triangles),
         );
-        Some(inner(node, place, count, (a?, b?)))
+        Some(inner(node, start, count, (a?, b?)))
     }
 }
 
@@ -219,7 +224,7 @@ impl<'p> Joined<'p> {
 fn fill(
     (order, topology): (&[u32], &[[u32; 2]]),
     triangle: &(impl Fn(u32) -> ([Vec3; 3], u32) + Sync),
-    place: Place,
+    start: LayoutOffset,
     nodes: &mut [Node],
     triangles: &mut [Triangle],
 ) -> Option<(Subtree, Box32)> {
@@ -234,7 +239,7 @@ fn fill(
             *to = Triangle { corners, number };
             around = around.union(Box32::around(&corners));
         }
-        return Some((Subtree::leaf(place.primitive as u32, count as u32), around));
+        return Some((Subtree::leaf(start.primitive as u32, count as u32), around));
     };
     let (of_a, below_a) = (of_a as usize, below_a as usize);
     let (a_order, b_order) = order.split_at(of_a);
@@ -242,14 +247,14 @@ fn fill(
     let (node, below) = nodes.split_first_mut()?;
     let (a_nodes, b_nodes) = below.split_at_mut(below_a);
     let (a_triangles, b_triangles) = triangles.split_at_mut(of_a);
-    let a_place = place.after(1, 0);
-    let b_place = a_place.after(below_a, of_a);
+    let a_start = start.after(1, 0);
+    let b_start = a_start.after(below_a, of_a);
     let a = (a_order, a_topology);
     let b = (b_order, b_topology);
     let (a, b) = join(
         count,
-        || fill(a, triangle, a_place, a_nodes, a_triangles),
-        || fill(b, triangle, b_place, b_nodes, b_triangles),
+        || fill(a, triangle, a_start, a_nodes, a_triangles),
+        || fill(b, triangle, b_start, b_nodes, b_triangles),
     );
-    Some(inner(node, place, count, (a?, b?)))
+    Some(inner(node, start, count, (a?, b?)))
 }

@@ -20,7 +20,7 @@ const PARALLEL_DEPTH: usize = 8;
 /// A tree built by median splits alone. Its depth is logarithmic whatever the boxes.
 pub(super) fn halved(boxes: &[Box32], mut order: Vec<u32>) -> (Tree, Vec<u32>) {
     let mut nodes = vec![Node::default(); halving_nodes(order.len())];
-    let root = halve(boxes, Place::default(), &mut nodes, &mut order);
+    let root = halve(boxes, LayoutOffset::default(), &mut nodes, &mut order);
     (Tree::new(nodes, root), order)
 }
 
@@ -35,12 +35,12 @@ fn halving_nodes(triangles: usize) -> usize {
 
 /// The first node and the first primitive index of a subtree.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Place {
+pub(super) struct LayoutOffset {
     pub(super) node: usize,
     pub(super) primitive: usize,
 }
 
-impl Place {
+impl LayoutOffset {
     /// The same, advanced by a number of nodes and of primitive indices.
     pub(super) fn after(self, nodes: usize, primitives: usize) -> Self {
         Self {
@@ -54,14 +54,14 @@ impl Place {
 /// which must have the length that [`halving_nodes`] gives, and sorts `indices` into leaf order.
 fn halve(
     boxes: &[Box32],
-    place: Place,
+    start: LayoutOffset,
     nodes: &mut [Node],
     indices: &mut [u32],
 ) -> (Subtree, Box32) {
     let count = indices.len();
     let Some((node, below)) = nodes.split_first_mut().filter(|_| count > LEAF_LIMIT) else {
         let around = |all: Box32, &index: &u32| all.union(boxes[index as usize]);
-        let leaf = Subtree::leaf(place.primitive as u32, count as u32);
+        let leaf = Subtree::leaf(start.primitive as u32, count as u32);
         return (leaf, indices.iter().fold(Box32::EMPTY, around));
     };
     let span = span(boxes, indices);
@@ -71,25 +71,25 @@ fn halve(
     indices.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
     let (a, b) = indices.split_at_mut(half);
     let (a_nodes, b_nodes) = below.split_at_mut(halving_nodes(half));
-    let a_place = place.after(1, 0);
-    let b_place = a_place.after(a_nodes.len(), half);
+    let a_start = start.after(1, 0);
+    let b_start = a_start.after(a_nodes.len(), half);
     let children = join(
         count,
-        || halve(boxes, a_place, a_nodes, a),
-        || halve(boxes, b_place, b_nodes, b),
+        || halve(boxes, a_start, a_nodes, a),
+        || halve(boxes, b_start, b_nodes, b),
     );
-    inner(node, place, count, children)
+    inner(node, start, count, children)
 }
 
 /// Writes an inner node above two children.
 pub(super) fn inner(
     node: &mut Node,
-    place: Place,
+    start: LayoutOffset,
     count: usize,
     ((a, around_a), (b, around_b)): ((Subtree, Box32), (Subtree, Box32)),
 ) -> (Subtree, Box32) {
     *node = Node::of([around_a, around_b], [a, b]);
-    let subtree = Subtree::inner(place.node as u32, place.primitive as u32, count as u32);
+    let subtree = Subtree::inner(start.node as u32, start.primitive as u32, count as u32);
     (subtree, around_a.union(around_b))
 }
 
@@ -153,7 +153,7 @@ impl<'a> Layout<'a> {
         let SubtreeSize { nodes, primitives } = self.sizes[0];
         let mut nodes = vec![Node::default(); nodes];
         let mut order = vec![0; primitives];
-        let root = self.lay_out(0, Place::default(), &mut nodes, &mut order);
+        let root = self.lay_out(0, LayoutOffset::default(), &mut nodes, &mut order);
         (Tree::new(nodes, root), order)
     }
 
@@ -161,14 +161,14 @@ impl<'a> Layout<'a> {
     fn lay_out(
         &self,
         index: usize,
-        place: Place,
+        start: LayoutOffset,
         nodes: &mut [Node],
         order: &mut [u32],
     ) -> (Subtree, Box32) {
         let cluster = &self.clusters.nodes[index];
         if cluster.is_leaf() || order.len() <= LEAF_LIMIT {
             self.gather(index, order);
-            return halve(self.boxes, place, nodes, order);
+            return halve(self.boxes, start, nodes, order);
         }
         let first = cluster.first_index as usize;
         let a = self.sizes[first];
@@ -176,14 +176,14 @@ impl<'a> Layout<'a> {
         let (node, below) = nodes.split_at_mut(1);
         let (a_nodes, b_nodes) = below.split_at_mut(a.nodes);
         let (a_order, b_order) = order.split_at_mut(a.primitives);
-        let a_place = place.after(1, 0);
-        let b_place = a_place.after(a.nodes, a.primitives);
+        let a_start = start.after(1, 0);
+        let b_start = a_start.after(a.nodes, a.primitives);
         let children = join(
             count,
-            || self.lay_out(first, a_place, a_nodes, a_order),
-            || self.lay_out(first + 1, b_place, b_nodes, b_order),
+            || self.lay_out(first, a_start, a_nodes, a_order),
+            || self.lay_out(first + 1, b_start, b_nodes, b_order),
         );
-        inner(&mut node[0], place, count, children)
+        inner(&mut node[0], start, count, children)
     }
 
     /// Collects the indices of a cluster's boxes.

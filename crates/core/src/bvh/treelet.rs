@@ -44,7 +44,7 @@ impl Treelets {
 
     /// The indices of a treelet's boxes.
     pub(super) fn members(&self, treelet: usize) -> &[u32] {
-        &self.order[self.places(treelet)]
+        &self.order[self.range(treelet)]
     }
 
     /// The indices of all boxes, in order.
@@ -52,7 +52,7 @@ impl Treelets {
         &self.order
     }
 
-    fn places(&self, treelet: usize) -> Range<usize> {
+    fn range(&self, treelet: usize) -> Range<usize> {
         let before = treelet.checked_sub(1);
         before.map_or(0, |before| self.ends[before] as usize)..self.ends[treelet] as usize
     }
@@ -90,24 +90,24 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     }
     // A key is a cell of a cubic grid, then the index in `indices`: keys are distinct, and sort to the same order
     // everywhere.
-    let place_bits = usize::BITS - indices.len().leading_zeros();
-    let axis_bits = (u64::BITS - place_bits) / 3;
+    let rank_bits = usize::BITS - indices.len().leading_zeros();
+    let axis_bits = (u64::BITS - rank_bits) / 3;
     let cells = f64::from(1u32 << axis_bits);
     let (origin, per_unit) = (span.min.as_dvec3(), cells / size);
-    let key = |(place, &index): (usize, &u32)| {
+    let key = |(rank, &index): (usize, &u32)| {
         let middle = middle(&boxes[index as usize]).as_dvec3();
         let cell = ((middle - origin) * per_unit).min(glam::DVec3::splat(cells - 1.0));
         let cell = cell.as_u64vec3();
         let code = spread(cell.x) << 2 | spread(cell.y) << 1 | spread(cell.z);
-        code << place_bits | place as u64
+        code << rank_bits | rank as u64
     };
     let keys = indices.par_iter().enumerate().with_min_len(PARALLEL);
     let mut keys: Vec<u64> = keys.map(key).collect();
     keys.par_sort_unstable();
     let before = indices.to_vec();
-    let place = |key: u64| (key & ((1 << place_bits) - 1)) as usize;
+    let rank = |key: u64| (key & ((1 << rank_bits) - 1)) as usize;
     let moved = indices.par_iter_mut().zip(&keys).with_min_len(PARALLEL);
-    moved.for_each(|(index, &key)| *index = before[place(key)]);
+    moved.for_each(|(index, &key)| *index = before[rank(key)]);
     drop(before);
     let all = KeyRange {
         keys: &keys,
@@ -115,7 +115,7 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
     };
     Cutter {
         boxes,
-        place_bits,
+        rank_bits,
         limit,
     }
     .cut(all)
@@ -140,7 +140,7 @@ struct KeyRange<'p> {
 #[derive(Clone, Copy)]
 struct Cutter<'b> {
     boxes: &'b [Box32],
-    place_bits: u32,
+    rank_bits: u32,
     limit: usize,
 }
 
@@ -183,7 +183,7 @@ impl Cutter<'_> {
             return Err(part);
         };
         let bit = (first ^ last).checked_ilog2().unwrap_or(0);
-        if bit < self.place_bits {
+        if bit < self.rank_bits {
             return Err(part);
         }
         let upper = last >> bit << bit;

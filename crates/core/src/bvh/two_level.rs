@@ -68,8 +68,7 @@ impl Known {
         trees: HashMap<usize, Arc<MeshTree>>,
         placed: HashMap<Key, PlacedTree>,
     ) -> Self {
-        let is_whole =
-            |placed: &PlacedTree| placed.placement.is_none() && !placed.tree.is_for_one_place;
+        let is_whole = |placed: &PlacedTree| placed.placement.is_none() && !placed.tree.is_placed;
         let whole = placed.iter().filter(|(_, placed)| is_whole(placed));
         let trees_in_place = whole.map(|(key, placed)| (key.0, Arc::clone(&placed.tree)));
         Self {
@@ -141,14 +140,14 @@ fn key(object: &Object, world_from_object: &DAffine3) -> Key {
     (address(&object.mesh), bits)
 }
 
-/// The tree of a mesh alone; with `is_for_one_place`, of its triangles as they are placed there.
-fn mesh_tree(world: World<'_>, is_for_one_place: bool) -> Arc<MeshTree> {
+/// The tree of a mesh alone; with `is_placed`, of its triangles as they are placed there.
+fn mesh_tree(world: World<'_>, is_placed: bool) -> Arc<MeshTree> {
     let accel = build_world(world, DEPTH_LIMIT - TOP_DEPTH);
     Arc::new(MeshTree {
         triangles: accel.triangles,
         tree: accel.tree,
         out_of_range: accel.out_of_range,
-        is_for_one_place,
+        is_placed,
     })
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::camera::{Camera, ImagePlane, LensPatch, Panorama, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, LensPatch, Panorama, Pose, Projection};
 use crate::math;
 use crate::random::Random;
 
@@ -55,14 +55,10 @@ fn lens(coefficients: [f64; 5]) -> BrownConrady {
 fn points_are_seen_where_opencv_projects_them_and_rays_go_back_to_them() {
     for (coefficients, points) in SHOWN {
         let lens = lens(coefficients);
-        let placement = Placement::towards(DVec3::ZERO, DVec3::NEG_Z * 2.0);
+        let pose = Pose::towards(DVec3::ZERO, DVec3::NEG_Z * 2.0);
         // A focal length of 400 pixels.
         let plane = ImagePlane::new(640, 480, 2.0 / 400.0).expect("a good plane");
-        let camera = Camera::new(
-            placement,
-            Projection::Panoramic(Panorama::Lens(lens)),
-            plane,
-        );
+        let camera = Camera::new(pose, Projection::Panoramic(Panorama::Lens(lens)), plane);
         for [x, y, u, v] in points {
             let (found_u, found_v) = lens.distort(x, y).expect("inside");
             assert!(

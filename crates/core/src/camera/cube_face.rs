@@ -58,7 +58,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Panorama, Placement};
+    use crate::camera::{ImagePlane, Panorama, Pose};
     use crate::random::Random;
 
     /// Rays of the picture lie beside the faces' by less than is said, and each is on one face.
@@ -67,12 +67,12 @@ mod tests {
         let mut random = Random(95);
         for panorama in [Panorama::CubeStrip, Panorama::CubeCross] {
             for (columns, rows) in [(600, 100), (64, 48), (1203, 907), (9, 2)] {
-                let placement = Placement::towards(random.point(), random.point() * 7.0);
+                let pose = Pose::towards(random.point(), random.point() * 7.0);
                 let projection = Projection::Panoramic(panorama);
-                let distance = placement.eye.distance(placement.target);
+                let distance = pose.eye.distance(pose.target);
                 let step = projection.frame(projection.default_fov(), distance) / f64::from(rows);
                 let plane = ImagePlane::new(columns, rows, step).expect("a good plane");
-                let camera = Camera::new(placement, projection, plane);
+                let camera = Camera::new(pose, projection, plane);
                 let mut lattice = camera.whole().sparse_lattice(1, (0, 0));
                 lattice.offset = (random.unit(), random.unit());
                 let faces = lattice.faces().expect("a cube map");

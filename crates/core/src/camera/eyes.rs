@@ -97,7 +97,7 @@ impl Camera {
                 let pixels = aside * (self.distance() / convergence) / plane.step;
                 let center = [
                     x + columns * 0.5 * side
-                        + super::projection::rounded(pixels.clamp(-FURTHEST, FURTHEST)),
+                        + super::camera::rounded(pixels.clamp(-FURTHEST, FURTHEST)),
                     y,
                 ];
                 self.moved(self.right() * aside, center, Eyes::One)
@@ -111,8 +111,8 @@ impl Camera {
     /// The same camera with eye and target translated, and the view axis through another place of the picture.
     fn moved(&self, by: DVec3, center: [f64; 2], eyes: Eyes) -> Self {
         let mut moved = *self;
-        moved.placement.eye += by;
-        moved.placement.target += by;
+        moved.pose.eye += by;
+        moved.pose.target += by;
         moved.center = center;
         moved.eyes = eyes;
         moved

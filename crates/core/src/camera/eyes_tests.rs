@@ -1,14 +1,14 @@
 use super::*;
-use crate::camera::{BrownConrady, Placement};
+use crate::camera::{BrownConrady, Pose};
 use crate::random::Random;
 use std::f64::consts::PI;
 
 const EYES: f64 = 0.25;
 
 fn camera(projection: Projection, (columns, rows): (u32, u32), step: f64) -> Camera {
-    let placement = Placement::towards(DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 1.5, 4.0));
+    let pose = Pose::towards(DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 1.5, 4.0));
     let plane = ImagePlane::new(columns, rows, step).expect("a good plane");
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 fn pair(convergence: Option<f64>) -> Stereo {
@@ -35,14 +35,14 @@ fn a_pairs_disparity_is_that_of_the_formula() {
         let camera = plain.in_stereo(Some(pair(convergence)));
         let [(left, left_half), (right, right_half)] = camera.halves().expect("two eyes");
         assert_eq!((left_half.width, right_half.x), (320, 320));
-        let [a, b] = [left, right].map(|eye| eye.placement().eye);
+        let [a, b] = [left, right].map(|eye| eye.pose().eye);
         assert!((b - a - plain.right() * EYES).length() < 1e-15);
-        assert!(((a + b) * 0.5 - plain.placement().eye).length() < 1e-15);
+        assert!(((a + b) * 0.5 - plain.pose().eye).length() < 1e-15);
         let at = convergence.unwrap_or(plain.distance());
         for _ in 0..100 {
             let depth = 0.5 + 9.0 * random.unit();
             let aside = plain.right() * random.signed() + plain.up() * random.signed();
-            let point = plain.placement().eye + plain.forward() * depth + aside;
+            let point = plain.pose().eye + plain.forward() * depth + aside;
             let [p, q] = [left, right].map(|eye| eye.project(point).expect("in front"));
             let focal = plain.distance() / 0.01;
             let expected = EYES * focal * (1.0 / depth - 1.0 / at);
@@ -73,11 +73,11 @@ fn omni_directional_rays_touch_the_circle_of_the_eyes() {
     assert_eq!(camera.fov_degrees().map(|fov| fov.round()), Some(180.0));
     assert!(camera.is_filled());
     let one = Camera::new(
-        camera.placement(),
+        camera.pose(),
         projection,
         ImagePlane::new(200, 100, step).expect("a good plane"),
     );
-    let eye = camera.placement().eye;
+    let eye = camera.pose().eye;
     let (right, up, forward) = (camera.right(), camera.up(), camera.forward());
     for (x, y) in [
         (0.5, 0.5),

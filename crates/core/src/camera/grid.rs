@@ -83,7 +83,7 @@ fn regular_cuts(length: u32, size: u32) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement, Projection};
+    use crate::camera::{ImagePlane, Pose, Projection};
     use glam::DVec3;
 
     #[test]
@@ -122,13 +122,13 @@ mod tests {
 
     #[test]
     fn a_sub_camera_is_found_by_column_and_row_up_to_the_last() {
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::Z,
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(10, 7, 0.1).expect("a size and a step");
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let grid = Grid::Count {
             columns: 3,
             rows: 2,

@@ -1,6 +1,11 @@
 //! From a pixel to its ray: the image plane, the camera, its sub-cameras, and camera motion.
 
 mod brown_conrady;
+#[expect(
+    clippy::module_inception,
+    reason = "the room is named after its main type"
+)]
+mod camera;
 mod cube_face;
 mod distortion;
 mod equidistant;
@@ -14,8 +19,8 @@ mod panorama;
 mod panorama_rays;
 mod path;
 mod pixel_filter;
-mod placement;
 mod plane;
+mod pose;
 mod projection;
 mod rect;
 mod sample_pattern;
@@ -25,6 +30,7 @@ mod view;
 
 pub use crate::ray::Ray;
 pub use brown_conrady::{BrownConrady, LensError};
+pub use camera::Camera;
 pub(crate) use distortion::FLATTEST;
 pub use grid::Grid;
 pub use lattice::Lattice;
@@ -35,9 +41,9 @@ pub use panorama::Panorama;
 pub(crate) use panorama_rays::{EightDirections, PanoramaRays};
 pub use path::{CameraPath, Curve, Ease, Keyframe};
 pub use pixel_filter::PixelFilter;
-pub use placement::{Placement, PlacementError};
 pub use plane::{FrameLock, ImagePlane, PlaneError, PlaneRequest, SIDE_LIMIT, check_step};
-pub use projection::{Camera, DEFAULT_FOV, Projection, fov_to_frame, frame_to_fov};
+pub use pose::{Pose, PoseError};
+pub use projection::{DEFAULT_FOV, Projection, fov_to_frame, frame_to_fov};
 pub use rect::Rect;
 pub use sample_pattern::{Sample, SamplePattern};
 pub use stereo::{Stereo, StereoError, StereoKind};

@@ -1,4 +1,4 @@
-use super::Placement;
+use super::Pose;
 use crate::math;
 use glam::DVec3;
 
@@ -19,20 +19,20 @@ impl Orbit {
     /// The yaw and pitch from which a scene is first shown.
     pub const DEFAULT_ANGLES: (f64, f64) = (22.0, 16.0);
 
-    /// The orbit of a placement: its angles follow from eye and target; `up` is ignored.
-    pub fn from_placement(placement: &Placement) -> Self {
-        let back = placement.eye - placement.target;
+    /// The orbit of a pose: its angles follow from eye and target; `up` is ignored.
+    pub fn from_placement(pose: &Pose) -> Self {
+        let back = pose.eye - pose.target;
         let distance = back.length();
         if !(distance.is_finite() && distance > 0.0) {
             return Self {
-                pivot: placement.target,
+                pivot: pose.target,
                 yaw: 0.0,
                 pitch: 0.0,
                 distance: 1.0,
             };
         }
         Self {
-            pivot: placement.target,
+            pivot: pose.target,
             yaw: math::atan2(back.x, back.z).to_degrees(),
             pitch: math::asin((back.y / distance).clamp(-1.0, 1.0)).to_degrees(),
             distance,
@@ -58,9 +58,9 @@ impl Orbit {
         self.up().cross(self.back())
     }
 
-    /// The placement of the camera.
-    pub fn placement(&self) -> Placement {
-        Placement {
+    /// The pose of the camera.
+    pub fn pose(&self) -> Pose {
+        Pose {
             eye: self.pivot + self.back() * self.distance,
             target: self.pivot,
             up: self.up(),
@@ -102,7 +102,7 @@ mod tests {
             pitch: -35.0,
             distance: 7.0,
         };
-        let again = Orbit::from_placement(&orbit.placement());
+        let again = Orbit::from_placement(&orbit.pose());
         assert!((again.yaw - orbit.yaw).abs() < 1e-9 && (again.pitch - orbit.pitch).abs() < 1e-9);
         assert!((again.distance - 7.0).abs() < 1e-12);
     }
@@ -117,14 +117,14 @@ mod tests {
         };
         let plane = ImagePlane::new(640, 480, 0.01).expect("a good plane");
         let anchor = DVec3::new(0.3, -0.4, 0.9);
-        let before = Camera::new(orbit.placement(), Projection::Perspective, plane).project(anchor);
+        let before = Camera::new(orbit.pose(), Projection::Perspective, plane).project(anchor);
         orbit.dolly(0.5, anchor);
         let nearer = plane.step * 0.5;
         let plane = ImagePlane {
             step: nearer,
             ..plane
         };
-        let after = Camera::new(orbit.placement(), Projection::Perspective, plane).project(anchor);
+        let after = Camera::new(orbit.pose(), Projection::Perspective, plane).project(anchor);
         let (before, after) = (before.expect("in front"), after.expect("in front"));
         assert!((before.0 - after.0).abs() < 1e-6 && (before.1 - after.1).abs() < 1e-6);
     }

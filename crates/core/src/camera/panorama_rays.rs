@@ -507,7 +507,7 @@ fn furthest(across: (f64, f64), along: (f64, f64)) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BrownConrady, Camera, ImagePlane, Placement, Projection, Rect};
+    use crate::camera::{BrownConrady, Camera, ImagePlane, Pose, Projection, Rect};
     use crate::random::Random;
 
     /// Lattices with arbitrary bounds, with places outside the picture's domain and on borders of faces.
@@ -519,10 +519,10 @@ mod tests {
         all.flat_map(move |panorama| {
             [0.11, 0.125, 1e-4].map(|step| {
                 let eye = random.point();
-                let placement = Placement::towards(eye, eye + random.point() * 3.0);
-                let step = step * eye.distance(placement.target);
+                let pose = Pose::towards(eye, eye + random.point() * 3.0);
+                let step = step * eye.distance(pose.target);
                 let plane = ImagePlane::new(150, 90, step).expect("a good plane");
-                let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+                let camera = Camera::new(pose, Projection::Panoramic(panorama), plane);
                 let rect = Rect {
                     x: 1,
                     y: 2,

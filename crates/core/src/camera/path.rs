@@ -1,4 +1,4 @@
-use super::{Orbit, Placement};
+use super::{Orbit, Pose};
 use glam::DVec3;
 
 /// A camera at one frame of an animation.
@@ -7,7 +7,7 @@ pub struct Keyframe {
     /// The frame's number.
     pub frame: u32,
     /// Eye, target, up.
-    pub placement: Placement,
+    pub pose: Pose,
     /// Vertical field of view in degrees, or the orthographic frame's height in scene units; `None` for the camera's
     /// own.
     pub view: Option<f64>,
@@ -49,18 +49,18 @@ impl CameraPath {
         (!keys.is_empty() && rises).then_some(Self { keys, curve, ease })
     }
 
-    /// A turntable: once around a placement's target, about +Y from left to right, in `frames` frames from 0; frame
+    /// A turntable: once around a pose's target, about +Y from left to right, in `frames` frames from 0; frame
     /// `frames` would be the first again.
-    pub fn turntable(placement: &Placement, frames: u32, frame: u32) -> Placement {
-        let from = Orbit::from_placement(placement);
+    pub fn turntable(pose: &Pose, frames: u32, frame: u32) -> Pose {
+        let from = Orbit::from_placement(pose);
         let mut orbit = from;
         orbit.turn(360.0 * f64::from(frame) / f64::from(frames.max(1)), 0.0);
         match frame % frames.max(1) {
             // Unchanged, to the last bit.
-            0 => *placement,
-            _ => Placement {
-                up: turned(placement.up, orbit.yaw - from.yaw),
-                ..orbit.placement()
+            0 => *pose,
+            _ => Pose {
+                up: turned(pose.up, orbit.yaw - from.yaw),
+                ..orbit.pose()
             },
         }
     }
@@ -124,10 +124,10 @@ impl CameraPath {
         };
         Keyframe {
             frame,
-            placement: Placement {
-                eye: vector(|key| key.placement.eye),
-                target: vector(|key| key.placement.target),
-                up: vector(|key| key.placement.up),
+            pose: Pose {
+                eye: vector(|key| key.pose.eye),
+                target: vector(|key| key.pose.target),
+                up: vector(|key| key.pose.up),
             },
             view,
         }
@@ -166,7 +166,7 @@ mod tests {
     fn key(frame: u32, x: f64, view: Option<f64>) -> Keyframe {
         Keyframe {
             frame,
-            placement: Placement {
+            pose: Pose {
                 eye: DVec3::new(x, x * x, 5.0),
                 target: DVec3::ZERO,
                 up: DVec3::Y,
@@ -192,8 +192,8 @@ mod tests {
                 for key in path.keys() {
                     assert_eq!(path.at(key.frame), *key);
                 }
-                assert_eq!(path.at(0).placement, path.keys()[0].placement);
-                assert_eq!(path.at(99).placement, path.keys()[2].placement);
+                assert_eq!(path.at(0).pose, path.keys()[0].pose);
+                assert_eq!(path.at(99).pose, path.keys()[2].pose);
                 assert_eq!(path.frames(), (2, 7));
             }
         }
@@ -201,12 +201,12 @@ mod tests {
         let twice = vec![key(3, 0.0, None), key(3, 1.0, None)];
         assert_eq!(CameraPath::new(twice, Curve::Linear, Ease::None), None);
         let one = CameraPath::new(vec![key(3, 1.5, None)], Curve::CatmullRom, Ease::Smooth);
-        assert_eq!(one.expect("a keyframe").at(9).placement.eye.x, 1.5);
+        assert_eq!(one.expect("a keyframe").at(9).pose.eye.x, 1.5);
     }
 
     #[test]
     fn keyframes_are_joined_by_lines_or_smooth_curves() {
-        let eye = |curve, ease, frame| path(curve, ease).at(frame).placement.eye;
+        let eye = |curve, ease, frame| path(curve, ease).at(frame).pose.eye;
         assert_eq!(eye(Curve::Linear, Ease::None, 3), DVec3::new(1.0, 4.0, 5.0));
         // After a quarter of the frames it is at 10/64 of the way.
         assert_eq!(eye(Curve::Linear, Ease::Smooth, 3).x, 4.0 * 10.0 / 64.0);
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn a_turntable_is_a_circle_that_begins_where_it_stands() {
-        let from = Placement {
+        let from = Pose {
             eye: DVec3::new(1.0, 2.0, 3.0),
             target: DVec3::new(0.5, -1.0, 0.0),
             up: DVec3::new(0.1, 1.0, 0.0),

@@ -63,7 +63,7 @@ impl Camera {
         orbit.distance = fit_distance(bounds, &orbit, Projection::Perspective, DEFAULT_FOV, aspect);
         let step = fov_to_frame(DEFAULT_FOV, orbit.distance) / f64::from(rows.max(1));
         let plane = ImagePlane::new(columns, rows, step)?;
-        Ok(Self::new(orbit.placement(), Projection::Perspective, plane))
+        Ok(Self::new(orbit.pose(), Projection::Perspective, plane))
     }
 }
 
@@ -88,7 +88,7 @@ mod tests {
             orbit.distance = fit_distance(&bounds, &orbit, projection, DEFAULT_FOV, 2.0);
             let step = fov_to_frame(DEFAULT_FOV, orbit.distance) / 100.0;
             let plane = ImagePlane::new(200, 100, step).expect("a good plane");
-            let camera = Camera::new(orbit.placement(), projection, plane);
+            let camera = Camera::new(orbit.pose(), projection, plane);
             for corner in bounds.corners() {
                 let (x, y) = camera.project(corner).expect("in front");
                 assert!(

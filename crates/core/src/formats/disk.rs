@@ -84,7 +84,7 @@ pub(super) struct OpenFile {
 }
 
 impl OpenFile {
-    /// Fills a slice from a place of the file on.
+    /// Fills a slice from an offset in the file on.
     #[cfg(unix)]
     pub(super) fn read_at(&self, at: u64, to: &mut [u8]) -> io::Result<()> {
         let read = std::os::unix::fs::FileExt::read_exact_at(&self.file, to, at);

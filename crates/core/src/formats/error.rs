@@ -21,41 +21,41 @@ impl std::fmt::Display for FilePosition {
     }
 }
 
-/// Why a file was not read. Every message is one line: place, what was expected, what was found. It quotes at most
+/// Why a file was not read. Every message is one line: position, what was expected, what was found. It quotes at most
 /// 200 characters of the file.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// An error of the file system.
-    #[error("{place}: {source}")]
+    #[error("{position}: {source}")]
     Io {
         /// Where.
-        place: FilePosition,
+        position: FilePosition,
         /// Why.
         source: std::io::Error,
     },
     /// Content other than what the format requires.
-    #[error("{place}: expected {expected}, found {found}")]
+    #[error("{position}: expected {expected}, found {found}")]
     Unexpected {
         /// Where.
-        place: FilePosition,
+        position: FilePosition,
         /// What the format requires.
         expected: String,
         /// What the file has.
         found: String,
     },
     /// Content that a decoder or parser rejects; the message is its own.
-    #[error("{place}: {reason}")]
+    #[error("{position}: {reason}")]
     Refused {
         /// Where.
-        place: FilePosition,
+        position: FilePosition,
         /// Why, in one line.
         reason: String,
     },
     /// The file exceeds one of the [`super::Limits`].
-    #[error("{place}: {what}; at most {most} are allowed (limit `{limit}`)")]
+    #[error("{position}: {what}; at most {most} are allowed (limit `{limit}`)")]
     TooMuch {
         /// Where.
-        place: FilePosition,
+        position: FilePosition,
         /// What exceeds it.
         what: String,
         /// The name of the field of `Limits`.
@@ -64,10 +64,10 @@ pub enum FormatError {
         most: u64,
     },
     /// Not enough memory: see [`super::Budget::within_memory`].
-    #[error("{place}: {what}; {whose} leaves {leaves}")]
+    #[error("{position}: {what}; {whose} leaves {leaves}")]
     NoMemory {
         /// Where.
-        place: FilePosition,
+        position: FilePosition,
         /// What the memory was for.
         what: String,
         /// What bounds the memory: a process limit, the machine.
@@ -76,17 +76,17 @@ pub enum FormatError {
         leaves: u64,
     },
     /// The caller cancelled reading.
-    #[error("{place}: reading it was cancelled")]
+    #[error("{position}: reading it was cancelled")]
     Cancelled {
         /// The file that was being read.
-        place: FilePosition,
+        position: FilePosition,
     },
 }
 
 impl FormatError {
     pub(super) fn io(file: &Path, source: std::io::Error) -> Self {
         Self::Io {
-            place: place(file, None),
+            position: position(file, None),
             source,
         }
     }
@@ -98,7 +98,7 @@ impl FormatError {
         found: impl Into<String>,
     ) -> Self {
         Self::Unexpected {
-            place: place(file, line),
+            position: position(file, line),
             expected: expected.into(),
             found: found.into(),
         }
@@ -112,21 +112,21 @@ impl FormatError {
             .filter(|line| !line.is_empty())
             .collect();
         Self::Refused {
-            place: place(file, line),
+            position: position(file, line),
             reason: lines.join("; "),
         }
     }
 
-    /// The message without the place.
+    /// The message without the position.
     pub(super) fn reason(&self) -> String {
-        let (Self::Io { place, .. }
-        | Self::Unexpected { place, .. }
-        | Self::Refused { place, .. }
-        | Self::TooMuch { place, .. }
-        | Self::NoMemory { place, .. }
-        | Self::Cancelled { place }) = self;
+        let (Self::Io { position, .. }
+        | Self::Unexpected { position, .. }
+        | Self::Refused { position, .. }
+        | Self::TooMuch { position, .. }
+        | Self::NoMemory { position, .. }
+        | Self::Cancelled { position }) = self;
         let text = self.to_string();
-        match text.strip_prefix(&format!("{place}: ")) {
+        match text.strip_prefix(&format!("{position}: ")) {
             Some(reason) => reason.to_owned(),
             None => text,
         }
@@ -134,13 +134,13 @@ impl FormatError {
 
     pub(super) fn cancelled(file: &Path) -> Self {
         Self::Cancelled {
-            place: place(file, None),
+            position: position(file, None),
         }
     }
 
     pub(super) fn too_much(file: &Path, what: String, limit: &'static str, most: u64) -> Self {
         Self::TooMuch {
-            place: place(file, None),
+            position: position(file, None),
             what,
             limit,
             most,
@@ -148,7 +148,7 @@ impl FormatError {
     }
 }
 
-pub(super) fn place(file: &Path, line: Option<usize>) -> FilePosition {
+pub(super) fn position(file: &Path, line: Option<usize>) -> FilePosition {
     FilePosition {
         file: file.to_owned(),
         line,

@@ -1,4 +1,4 @@
-use super::error::{FormatError, place};
+use super::error::{FormatError, position};
 use crate::render::Cancel;
 use crate::scene::UpAxis;
 use std::cell::Cell;
@@ -247,7 +247,7 @@ fn check_bytes(
     }
     match memory {
         Some(Memory { bytes, whose }) if sum > *bytes => Err(FormatError::NoMemory {
-            place: place(file, None),
+            position: position(file, None),
             what: message(),
             whose: whose.clone(),
             leaves: *bytes,

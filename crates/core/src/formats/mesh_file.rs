@@ -121,14 +121,8 @@ pub(super) fn read(
         MeshKind::Gltf => {
             let placed = gltf::read(path, bytes, files, progress)?;
             drop(unpacked);
-            return store_all(
-                path,
-                FileKind::Gltf,
-                placed,
-                unpacked_from,
-                budget,
-                progress,
-            );
+            let kind = FileKind::Gltf;
+            return store_all(path, kind, placed, unpacked_from, budget, progress);
         }
         MeshKind::Threemf => {
             let mut placed = threemf::read(path, bytes, budget, progress)?;
@@ -136,14 +130,8 @@ pub(super) fn read(
             for node in &mut placed.nodes {
                 node.world_from_object = up_axis.y_up() * node.world_from_object;
             }
-            return store_all(
-                path,
-                FileKind::Threemf,
-                placed,
-                unpacked_from,
-                budget,
-                progress,
-            );
+            let kind = FileKind::Threemf;
+            return store_all(path, kind, placed, unpacked_from, budget, progress);
         }
         MeshKind::Prepared => {
             let prepared = prepared::read(path, bytes, budget, progress)?;
@@ -172,6 +160,21 @@ pub(super) fn read(
             (FileKind::TriangleText, parsed)
         }
     };
+    drop(unpacked);
+    let mut file = store_one(path, kind, parsed, files, up_axis)?;
+    file.notes.splice(0..0, unpacked_from);
+    progress(1.0);
+    Ok(file)
+}
+
+/// Checks and stores the mesh of a file of one object, which says nothing of its axes.
+fn store_one(
+    path: &Path,
+    kind: FileKind,
+    parsed: Parsed,
+    files: &dyn Files,
+    up_axis: UpAxis,
+) -> Result<MeshFile, FormatError> {
     let Parsed {
         mesh: mut data,
         texture,
@@ -182,15 +185,12 @@ pub(super) fn read(
         // Named, even if it is not shown for want of texture coordinates.
         files.name(image);
     }
-    drop(unpacked);
-    notes.splice(0..0, unpacked_from);
     up_axis.turn(&mut data);
     notes.push(format!(
         "units and up axis: not said; {up_axis} is taken to be up"
     ));
-    let mesh = store(path, data, budget, &mut warnings)?;
+    let mesh = store(path, data, files.budget(), &mut warnings)?;
     limit_warnings(path, &mut warnings);
-    progress(1.0);
     Ok(MeshFile {
         kind,
         unit: None,

@@ -15,9 +15,9 @@ pub(super) fn table(path: &CameraPath, projection: Projection) -> AnimationToml 
         };
         let key = KeyToml {
             at: key.frame,
-            eye: spanned(key.placement.eye),
-            target: spanned(key.placement.target),
-            up: Some(spanned(key.placement.up)),
+            eye: spanned(key.pose.eye),
+            target: spanned(key.pose.target),
+            up: Some(spanned(key.pose.up)),
             fov,
             frame,
         };

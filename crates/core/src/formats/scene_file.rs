@@ -1,5 +1,5 @@
 use super::length_unit::LengthUnit;
-use crate::camera::{CameraPath, PixelFilter, Placement, Projection, Stereo};
+use crate::camera::{CameraPath, PixelFilter, Pose, Projection, Stereo};
 use crate::hit::{Cull, Precision};
 use crate::scene::{ClippingPlanes, Scene};
 use crate::shade::Shading;
@@ -81,7 +81,7 @@ pub struct SceneFile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFile {
     /// Eye, target and up.
-    pub placement: Placement,
+    pub pose: Pose,
     /// The projection.
     pub projection: Projection,
     /// Vertical field of view in degrees, or the orthographic frame's height in scene units.

@@ -7,7 +7,7 @@ use super::scene_text::{Reader, line_at};
 use super::scene_toml::{CameraToml, ObjectToml, PhotographToml, ShapeToml};
 use super::scene_words::ProjectionToml;
 use super::{Progress, texture};
-use crate::camera::Placement;
+use crate::camera::Pose;
 use crate::quote::{self, quote};
 use crate::ranges;
 use crate::scene::{
@@ -127,8 +127,22 @@ impl Reader<'_> {
             }
         }
         first_objects.push(objects.len());
-        for (index, parent) in parents.into_iter().enumerate() {
-            let Some(parent) = parent else { continue };
+        self.set_parents(&parents, tables, &first_objects, &mut objects)?;
+        progress(1.0);
+        Ok(objects)
+    }
+
+    /// Sets the parents of the objects; those of each table begin at its entry of `first_objects`, which ends with their
+    /// number.
+    fn set_parents(
+        &self,
+        parents: &[Option<usize>],
+        tables: &[Spanned<ObjectToml>],
+        first_objects: &[usize],
+        objects: &mut [Object],
+    ) -> Result<(), FormatError> {
+        for (index, parent) in parents.iter().enumerate() {
+            let Some(parent) = *parent else { continue };
             let count = first_objects[parent + 1] - first_objects[parent];
             if let (2.., Some(named)) = (count, &tables[index].get_ref().parent) {
                 let found = format!("{}, a file of {count} objects", quote(named.get_ref()));
@@ -138,8 +152,7 @@ impl Reader<'_> {
                 object.parent = Some(first_objects[parent]);
             }
         }
-        progress(1.0);
-        Ok(objects)
+        Ok(())
     }
 
     /// Sets what a table says of its objects' looks.
@@ -180,7 +193,7 @@ impl Reader<'_> {
     /// Checks that a scalar that the file names exists in the mesh.
     fn check_scalar<T>(
         &self,
-        place: &Spanned<T>,
+        value: &Spanned<T>,
         name: &str,
         mesh: &Mesh,
         other: &str,
@@ -193,7 +206,7 @@ impl Reader<'_> {
             [] => format!("{other}: the mesh has no scalars"),
             _ => format!("one of the mesh's scalars, {}", names.join(", ")),
         };
-        Err(self.fault(place, &expected, &quote(name)))
+        Err(self.fault(value, &expected, &quote(name)))
     }
 
     /// The objects of a mesh file that a table stands for: the node that it names, or all.
@@ -294,7 +307,7 @@ impl Reader<'_> {
         let share = budget.share(self.path, "a part of an image", bytes)?;
         let part = match &table.crop {
             None => Texture::clone(&image),
-            Some(place) => {
+            Some(value) => {
                 let crop = Crop {
                     x,
                     y,
@@ -303,7 +316,7 @@ impl Reader<'_> {
                 };
                 image.cropped(crop).ok_or_else(|| {
                     let expected = format!("a part of an image of {width}x{height}");
-                    self.fault(place, &expected, &format!("{:?}", place.get_ref()))
+                    self.fault(value, &expected, &format!("{:?}", value.get_ref()))
                 })?
             }
         };
@@ -396,7 +409,7 @@ impl Reader<'_> {
             frame: None,
         };
         let camera = self.camera(&Spanned::new(table.span(), camera))?;
-        let Placement { eye, target, up } = camera.placement;
+        let Pose { eye, target, up } = camera.pose;
         Ok(Photograph {
             eye,
             target,
@@ -411,14 +424,14 @@ impl Reader<'_> {
     }
 
     fn transform(&self, table: &ObjectToml) -> Result<Transform, FormatError> {
-        let place = |value: &Option<Spanned<[f64; 3]>>, default| match value {
+        let vector = |value: &Option<Spanned<[f64; 3]>>, default| match value {
             Some(value) => self.vector(value),
             None => Ok(default),
         };
         Ok(Transform {
-            translate: place(&table.translate, DVec3::ZERO)?,
-            rotate: place(&table.rotate, DVec3::ZERO)?,
-            scale: place(&table.scale, DVec3::ONE)?,
+            translate: vector(&table.translate, DVec3::ZERO)?,
+            rotate: vector(&table.rotate, DVec3::ZERO)?,
+            scale: vector(&table.scale, DVec3::ONE)?,
             matrix: match &table.matrix {
                 Some(matrix) => self.matrix(matrix)?,
                 None => DAffine3::IDENTITY,

@@ -12,7 +12,7 @@ use super::scene_toml::{
 };
 use super::scene_words::ProjectionToml;
 use crate::camera::{
-    BrownConrady, CameraPath, ImagePlane, Keyframe, Placement, PlacementError, Projection, Stereo,
+    BrownConrady, CameraPath, ImagePlane, Keyframe, Pose, PoseError, Projection, Stereo,
 };
 use crate::quote::{self, quote};
 use crate::ranges;
@@ -175,7 +175,7 @@ impl Reader<'_> {
             let camera = self.camera(&Spanned::new(spanned.span(), camera))?;
             keys.push(Keyframe {
                 frame: key.at,
-                placement: camera.placement,
+                pose: camera.pose,
                 view: (key.fov.is_some() || key.frame.is_some()).then_some(camera.frame),
             });
         }
@@ -227,25 +227,23 @@ impl Reader<'_> {
             }
         };
         let (eye, target) = (self.vector(&camera.eye)?, self.vector(&camera.target)?);
-        let placement = match &camera.up {
-            Some(up) => Placement {
+        let pose = match &camera.up {
+            Some(up) => Pose {
                 eye,
                 target,
                 up: self.vector(up)?,
             },
-            None => Placement::towards(eye, target),
+            None => Pose::towards(eye, target),
         };
-        if let Err(error) = placement.check() {
+        if let Err(error) = pose.check() {
             let line = match (error, &camera.up) {
-                (PlacementError::NoUp { .. } | PlacementError::UpAlongView { .. }, Some(up)) => {
-                    self.line(up)
-                }
+                (PoseError::NoUp { .. } | PoseError::UpAlongView { .. }, Some(up)) => self.line(up),
                 _ => self.line(&camera.target),
             };
             return Err(FormatError::refused(self.path, line, &error.to_string()));
         }
         Ok(CameraFile {
-            placement,
+            pose,
             projection,
             frame,
         })

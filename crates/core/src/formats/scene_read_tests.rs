@@ -3,10 +3,8 @@
 use super::scene_file::SceneFile;
 use super::*;
 use crate::camera::Projection;
-use crate::scene::{Color, ColorRule, Object, Photograph, UpAxis, Wrap};
-use crate::shade::{
-    Background, EdgeKinds, Filter, Ground, Mode, Shading, TextureProjection, Wireframe,
-};
+use crate::scene::{Color, ColorRule, Object, Photograph, TextureProjection, UpAxis, Wrap};
+use crate::shade::{Background, EdgeKinds, Filter, Ground, Mode, Shading, Wireframe};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -80,8 +78,8 @@ pub(super) fn parse(text: &str) -> SceneFile {
 fn reads_everything() {
     let file = parse(WHOLE);
     let camera = file.camera.expect("a camera");
-    assert_eq!(camera.placement.eye, DVec3::new(3.0, 2.5, 5.0));
-    assert_eq!(camera.placement.target, DVec3::new(0.0, 0.0, 0.1));
+    assert_eq!(camera.pose.eye, DVec3::new(3.0, 2.5, 5.0));
+    assert_eq!(camera.pose.target, DVec3::new(0.0, 0.0, 0.1));
     assert_eq!(
         (camera.projection, camera.frame),
         (Projection::Perspective, 40.0)

@@ -32,11 +32,12 @@ impl Reader<'_> {
     /// A number after its range check; an error names the line.
     pub(super) fn in_range<T, N>(
         &self,
-        place: &Spanned<T>,
+        location: &Spanned<T>,
         number: Result<N, impl std::fmt::Display>,
     ) -> Result<N, FormatError> {
-        number
-            .map_err(|error| FormatError::refused(self.path, self.line(place), &error.to_string()))
+        number.map_err(|error| {
+            FormatError::refused(self.path, self.line(location), &error.to_string())
+        })
     }
 
     /// Three finite numbers.
@@ -70,7 +71,7 @@ impl Reader<'_> {
     /// The error of a file that the scene names, with the line that names it.
     fn unreadable(&self, named: &Spanned<String>, error: FormatError) -> FormatError {
         let reason = match error {
-            FormatError::Io { place, source } => format!("{place} cannot be read: {source}"),
+            FormatError::Io { position, source } => format!("{position} cannot be read: {source}"),
             error => error.to_string(),
         };
         FormatError::refused(self.path, self.line(named), &reason)

@@ -115,9 +115,9 @@ fn camera_table(camera: &CameraFile) -> CameraToml {
     CameraToml {
         projection: ProjectionToml(camera.projection),
         lens: (camera.projection.lens()).map(|lens| spanned(lens.coefficients().to_vec())),
-        eye: spanned(camera.placement.eye.to_array()),
-        target: spanned(camera.placement.target.to_array()),
-        up: Some(spanned(camera.placement.up.to_array())),
+        eye: spanned(camera.pose.eye.to_array()),
+        target: spanned(camera.pose.target.to_array()),
+        up: Some(spanned(camera.pose.up.to_array())),
         fov,
         frame,
     }

@@ -206,7 +206,7 @@ fov = 20.0
     );
     let views: Vec<_> = path.keys().iter().map(|key| key.view).collect();
     assert_eq!(views, [None, Some(20.0)]);
-    assert_eq!(path.keys()[1].placement.target, DVec3::new(0.0, 0.5, 0.0));
+    assert_eq!(path.keys()[1].pose.target, DVec3::new(0.0, 0.5, 0.0));
     let saved = file.to_toml(Path::new("/")).expect("it can be saved");
     assert_eq!(read(&saved).expect("a scene").animation, Some(path));
 

@@ -44,10 +44,10 @@ pub fn write_section(
     for line in order {
         let drawn = Drawn {
             // Without minus zeros.
-            places: line
+            points: line
                 .points
                 .iter()
-                .map(|&p| axes.place(p) + DVec2::ZERO)
+                .map(|&p| axes.coordinates(p) + DVec2::ZERO)
                 .collect(),
             is_closed: line.is_closed,
         };
@@ -63,19 +63,19 @@ pub fn write_section(
 }
 
 struct Drawn {
-    places: Vec<DVec2>,
+    points: Vec<DVec2>,
     is_closed: bool,
 }
 
 fn svg(objects: &[(u32, Vec<Drawn>)], out: &mut dyn Write) -> io::Result<()> {
-    let places = || {
+    let points = || {
         objects
             .iter()
             .flat_map(|(_, lines)| lines)
-            .flat_map(|line| &line.places)
+            .flat_map(|line| &line.points)
     };
-    let least = places().copied().reduce(DVec2::min).unwrap_or_default();
-    let most = places().copied().reduce(DVec2::max).unwrap_or_default();
+    let least = points().copied().reduce(DVec2::min).unwrap_or_default();
+    let most = points().copied().reduce(DVec2::max).unwrap_or_default();
     let size = most - least;
     let margin = 0.02 * size.max_element();
     let line = 0.002 * size.max_element();
@@ -93,10 +93,10 @@ fn svg(objects: &[(u32, Vec<Drawn>)], out: &mut dyn Write) -> io::Result<()> {
             "<path id=\"object-{object}\" fill=\"#e07b39\" fill-rule=\"evenodd\" stroke=\"black\" stroke-width=\"{line}\" \
              stroke-linejoin=\"round\" d=\""
         )?;
-        for Drawn { places, is_closed } in lines {
-            for (index, place) in places.iter().enumerate() {
+        for Drawn { points, is_closed } in lines {
+            for (index, point) in points.iter().enumerate() {
                 let letter = if index == 0 { 'M' } else { 'L' };
-                write!(out, "{letter}{} {}", place.x, 0.0 - place.y)?;
+                write!(out, "{letter}{} {}", point.x, 0.0 - point.y)?;
             }
             if *is_closed {
                 out.write_all(b"Z")?;
@@ -110,13 +110,13 @@ fn svg(objects: &[(u32, Vec<Drawn>)], out: &mut dyn Write) -> io::Result<()> {
 fn dxf(objects: &[(u32, Vec<Drawn>)], out: &mut dyn Write) -> io::Result<()> {
     out.write_all(b"0\nSECTION\n2\nENTITIES\n")?;
     for (object, lines) in objects {
-        for Drawn { places, is_closed } in lines {
+        for Drawn { points, is_closed } in lines {
             let flags = u8::from(*is_closed);
             write!(
                 out,
                 "0\nPOLYLINE\n8\nOBJECT_{object}\n66\n1\n10\n0.0\n20\n0.0\n30\n0.0\n70\n{flags}\n"
             )?;
-            for DVec2 { x, y } in places {
+            for DVec2 { x, y } in points {
                 write!(
                     out,
                     "0\nVERTEX\n8\nOBJECT_{object}\n10\n{x:?}\n20\n{y:?}\n30\n0.0\n"
@@ -134,9 +134,9 @@ mod tests {
     use glam::DVec3;
 
     fn lines() -> [SectionLine; 2] {
-        let line = |object, is_closed, places: &[[f64; 2]]| SectionLine {
+        let line = |object, is_closed, points: &[[f64; 2]]| SectionLine {
             object,
-            points: places
+            points: points
                 .iter()
                 .map(|[x, y]| DVec3::new(*x, *y, 7.0))
                 .collect(),

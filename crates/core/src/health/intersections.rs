@@ -30,12 +30,12 @@ pub struct Intersections {
 /// duplicates of a triangle with a lower number, are left out; [`check`](super::check) lists them. At most 131,072
 /// pairs are listed, and at most 1,024 of one triangle with triangles of higher numbers.
 pub fn self_intersections(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Intersections> {
-    let place = weld(mesh.positions());
+    let welded = weld(mesh.positions());
     let mut is_kept = vec![false; mesh.triangles().len()];
     for &number in mesh.kept() {
         is_kept[number as usize] = true;
     }
-    let (mut faces, _) = faces(mesh, &place);
+    let (mut faces, _) = faces(mesh, &welded);
     faces.retain(|(number, _)| is_kept[*number as usize]);
     if !go_on(0.05) {
         return None;

@@ -16,7 +16,7 @@ use std::collections::HashSet;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Health {
     /// Distinct positions of faces' corners.
-    pub places: usize,
+    pub positions: usize,
     /// Distinct edges of faces.
     pub edges: usize,
     /// Number of faces.
@@ -45,10 +45,10 @@ pub struct Health {
 }
 
 impl Health {
-    /// The Euler characteristic: places − edges + faces. For a closed surface it is 2 − 2g a shell, g its genus
+    /// The Euler characteristic: positions − edges + faces. For a closed surface it is 2 − 2g a shell, g its genus
     /// (number of handles).
     pub fn euler_characteristic(&self) -> i64 {
-        self.places as i64 - self.edges as i64 + self.faces as i64
+        self.positions as i64 - self.edges as i64 + self.faces as i64
     }
 
     /// Whether the mesh is watertight: it has faces, and each edge has exactly two.
@@ -74,11 +74,11 @@ impl Health {
 /// has no face and is not closed.
 pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
     let triangles = mesh.triangles();
-    let place = weld(mesh.positions());
+    let welded = weld(mesh.positions());
     if !go_on(0.2) {
         return None;
     }
-    let (faces, duplicates) = faces(mesh, &place);
+    let (faces, duplicates) = faces(mesh, &welded);
     if !go_on(0.4) {
         return None;
     }
@@ -92,12 +92,12 @@ pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
             *used = true;
         }
     }
-    let mut is_place = vec![false; mesh.positions().len()];
+    let mut is_position = vec![false; mesh.positions().len()];
     for &vertex in faces.iter().flat_map(|(_, corners)| corners) {
-        is_place[vertex as usize] = true;
+        is_position[vertex as usize] = true;
     }
     let mut health = Health {
-        places: is_place.iter().filter(|is| **is).count(),
+        positions: is_position.iter().filter(|is| **is).count(),
         faces: faces.len(),
         degenerate: left_out(triangles.len(), mesh.kept()),
         duplicates,
@@ -114,7 +114,7 @@ pub fn check(mesh: &Mesh, go_on: GoOn<'_>) -> Option<Health> {
 }
 
 /// The faces, and the numbers of the triangles that duplicate one.
-pub(super) fn faces(mesh: &Mesh, place: &[u32]) -> (Vec<Face>, Vec<u32>) {
+pub(super) fn faces(mesh: &Mesh, welded: &[u32]) -> (Vec<Face>, Vec<u32>) {
     let position = |vertex: u32| mesh.positions().get(vertex as usize);
     let is_there = |vertex: &u32| position(*vertex).is_some_and(|position| position.is_finite());
     let mut faces: Vec<([u32; 3], Face)> = mesh
@@ -123,7 +123,7 @@ pub(super) fn faces(mesh: &Mesh, place: &[u32]) -> (Vec<Face>, Vec<u32>) {
         .enumerate()
         .filter(|(_, triangle)| triangle.iter().all(is_there))
         .filter_map(|(number, triangle)| {
-            let corners @ [a, b, c] = triangle.map(|vertex| place[vertex as usize]);
+            let corners @ [a, b, c] = triangle.map(|vertex| welded[vertex as usize]);
             let mut sorted = corners;
             sorted.sort_unstable();
             (a != b && b != c && c != a).then_some((sorted, (number as u32, corners)))
@@ -287,7 +287,7 @@ mod tests {
     fn a_tetrahedron_is_sound() {
         let health = healthy(&mesh(&CORNERS, &SIDES));
         assert!(health.is_sound(), "{health:?}");
-        assert_eq!((health.places, health.edges, health.faces), (4, 6, 4));
+        assert_eq!((health.positions, health.edges, health.faces), (4, 6, 4));
         assert_eq!((health.euler_characteristic(), health.shells), (2, 1));
     }
 

@@ -2,9 +2,7 @@
 
 use super::clip_tests::planes;
 use crate::bvh::Accel;
-use crate::camera::{
-    BrownConrady, Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Rect,
-};
+use crate::camera::{BrownConrady, Camera, ImagePlane, Lattice, Panorama, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision};
 use crate::math;
 use crate::num::simd::Simd;
@@ -65,13 +63,13 @@ fn room(side: usize, half: f64) -> Vec<[DVec3; 3]> {
 /// A panorama's camera at an eye; `fov` is the angle that the picture's height covers. Some pixels lie outside the
 /// projection.
 fn camera(panorama: Panorama, eye: DVec3, way: DVec3, rows: u32, fov: f64) -> Camera {
-    let placement = Placement::towards(eye, eye + way);
+    let pose = Pose::towards(eye, eye + way);
     let projection = Projection::Panoramic(panorama);
-    let distance = placement.target.distance(placement.eye);
+    let distance = pose.target.distance(pose.eye);
     let columns = panorama.size(rows).0 + 7;
     let step = projection.frame(fov, distance) / f64::from(rows);
     let plane = ImagePlane::new(columns, rows, step).expect("a good plane");
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 fn all() -> impl Iterator<Item = Panorama> {
@@ -291,9 +289,9 @@ fn packets_of_any_pixel_size_answer_as_single_rays_do() {
     let accel = accel([soup(&mut random, 100, 0.4), room(1, 1.5)].concat());
     for panorama in all() {
         for step in [1e-17, 1e-13, 1e-8, 0.02, 0.1, 0.4, 3.0] {
-            let placement = Placement::towards(random.point() * 0.2, random.point() * 5.0);
+            let pose = Pose::towards(random.point() * 0.2, random.point() * 5.0);
             let plane = ImagePlane::new(41, 33, step).expect("a good plane");
-            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            let camera = Camera::new(pose, Projection::Panoramic(panorama), plane);
             for lattice in lattices(camera) {
                 check(&accel, &lattice, Cull::None, &mut Sum::default());
             }
@@ -311,7 +309,7 @@ fn clipped_panoramas_equal_clipped_single_rays() {
         for panorama in all() {
             let camera = camera(panorama, random.point() * 0.5, random.point(), 60, 85.0);
             for (count, lattice) in (1..).zip(lattices(camera)) {
-                let planes = planes(&mut random, &accel, camera.placement().eye, count);
+                let planes = planes(&mut random, &accel, camera.pose().eye, count);
                 let single = accel.clipped(&planes);
                 for simd in Simd::available() {
                     let accel = accel.clone().with_simd(simd);
@@ -378,9 +376,9 @@ fn a_packet_of_one_ray_contains_triangles_along_the_ray() {
         let sine = (0.26 + 0.23 * random.unit()) * [-1.0, 1.0][(random.unit() * 2.0) as usize % 2];
         let camera = |x: f64| {
             let eye = DVec3::new(x, 0.0, -3.0);
-            let placement = Placement::towards(eye, eye + DVec3::new(sine, 0.0, 1.0));
+            let pose = Pose::towards(eye, eye + DVec3::new(sine, 0.0, 1.0));
             let plane = ImagePlane::new(1, 1, 1e-3).expect("a good plane");
-            Camera::new(placement, Projection::Panoramic(panorama), plane)
+            Camera::new(pose, Projection::Panoramic(panorama), plane)
         };
         // The pixel that looks along +Z.
         let first = camera(0.0);

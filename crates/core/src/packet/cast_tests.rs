@@ -1,7 +1,7 @@
 //! Packets against single rays, brute force and each other.
 
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Lattice, Orbit, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, HitNumbers, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::math;
@@ -75,7 +75,7 @@ fn front(pivot: DVec3, distance: f64, step: f64, projection: Projection) -> Came
         distance,
     };
     let plane = ImagePlane::new(64, 64, step).expect("a good plane");
-    Camera::new(orbit.placement(), projection, plane)
+    Camera::new(orbit.pose(), projection, plane)
 }
 
 fn assert_tiles_equal_rays(accel: &Accel, camera: Camera) -> usize {
@@ -144,7 +144,7 @@ pub(super) fn cameras(size: f64, offset: DVec3) -> Vec<Camera> {
                 distance: distance * size,
             };
             let plane = ImagePlane::new(101, 75, 0.012 * size * distance).expect("a good plane");
-            cameras.push(Camera::new(orbit.placement(), projection, plane));
+            cameras.push(Camera::new(orbit.pose(), projection, plane));
         }
     }
     cameras
@@ -172,7 +172,7 @@ fn the_last_column_and_row_are_cast() {
                 pitch: 50.0,
                 distance: 3.0,
             };
-            let camera = Camera::new(orbit.placement(), projection, plane);
+            let camera = Camera::new(orbit.pose(), projection, plane);
             let (columns, rows) = (side as usize, side as usize);
             let mut hits = Vec::new();
             let lattice = whole(camera);
@@ -439,7 +439,7 @@ fn layers_a_rounding_apart_are_ordered_as_single_rays_order_them() {
                 let up = DVec3::Y;
                 let distance = eye.distance(target);
                 let plane = ImagePlane::new(70, 50, 0.03 * distance).expect("a good plane");
-                let camera = Camera::new(Placement { eye, target, up }, projection, plane);
+                let camera = Camera::new(Pose { eye, target, up }, projection, plane);
                 hits += assert_tiles_equal_rays(&accel, camera);
                 let mut found = Vec::new();
                 let counts =

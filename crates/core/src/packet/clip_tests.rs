@@ -3,7 +3,7 @@
 use super::around_tests::accel;
 use super::cast_tests::{cameras, waves, waves_mesh};
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Panorama, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Panorama, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::num::simd::Simd;
 use crate::random::Random;
@@ -63,7 +63,7 @@ fn clipped_packets_equal_clipped_single_rays() {
             };
             let lattice = camera.sub_camera(rect).lattice();
             for count in [1, 2, 3] {
-                let planes = planes(&mut random, &accel, camera.placement().eye, count);
+                let planes = planes(&mut random, &accel, camera.pose().eye, count);
                 for cull in [Cull::None, Cull::Back] {
                     let mut all = Vec::new();
                     accel.cast_lattice(&lattice, cull, Precision::Exact, Detail::Full, &mut all);
@@ -106,7 +106,7 @@ fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
         [a, b, c]
     };
     let accel = accel((0..200).map(|_| corners()).collect());
-    let placement = Placement::towards(eye, DVec3::ZERO);
+    let pose = Pose::towards(eye, DVec3::ZERO);
     let plane = ImagePlane::new(80, 60, 0.05).expect("a good plane");
     let panorama = Projection::Panoramic(Panorama::Equirectangular);
     // The second plane holds the eye.
@@ -118,7 +118,7 @@ fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
     ] {
         let cut = ClippingPlane::new(DVec3::Y, offset).expect("a plane");
         let clipped = accel.clipped(&ClippingPlanes::new(&[cut]).expect("one"));
-        let lattice = Camera::new(placement, projection, plane).whole().lattice();
+        let lattice = Camera::new(pose, projection, plane).whole().lattice();
         let mut primitives = Vec::new();
         let counts = clipped.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
         for (at, &primitive) in (0..).zip(&primitives) {
@@ -143,7 +143,7 @@ fn the_clipped_tree_answers_as_brute_force_does() {
     for offset in [DVec3::ZERO, DVec3::new(148_376.0, 1234.0, -223_423.0)] {
         let accel = waves(6, 1.0, offset);
         for camera in cameras(1.0, offset) {
-            let planes = planes(&mut random, &accel, camera.placement().eye, 2);
+            let planes = planes(&mut random, &accel, camera.pose().eye, 2);
             let clipped = accel.clipped(&planes);
             for _ in 0..400 {
                 let (x, y) = (random.unit() * 101.0, random.unit() * 75.0);
@@ -176,7 +176,7 @@ fn clipped_instances_answer_as_a_clipped_tree_does() {
     let instances = Accel::build_instances(&scene).expect("a valid scene");
     let (mut kept, mut cut) = (0, 0);
     for camera in cameras(1.0, DVec3::ZERO) {
-        let planes = planes(&mut random, &one, camera.placement().eye, 2);
+        let planes = planes(&mut random, &one, camera.pose().eye, 2);
         let (a, b) = (one.clipped(&planes), instances.clipped(&planes));
         let lattice = camera.whole().lattice();
         for cull in [Cull::None, Cull::Back] {

@@ -3,7 +3,7 @@
 
 use super::around_tests::accel;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::{Cull, MISS, Precision};
 use crate::random::Random;
 use glam::DVec3;
@@ -18,7 +18,7 @@ fn check(accel: &Accel, eye: DVec3, towards: DVec3, projection: Projection) -> (
     let plane = ImagePlane::new(48, 40, 0.02).expect("a good plane");
     let target = eye + towards;
     let up = towards.any_orthonormal_vector();
-    let camera = Camera::new(Placement { eye, target, up }, projection, plane);
+    let camera = Camera::new(Pose { eye, target, up }, projection, plane);
     let lattice = camera.whole().lattice();
     let mut primitives = Vec::new();
     let counts = accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);

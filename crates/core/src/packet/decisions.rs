@@ -43,7 +43,7 @@ impl<'a> Decisions<'a> {
             accel,
             clip,
             planes_at_eye: match has_eye {
-                true => clip.at_eye(camera.placement().eye).collect(),
+                true => clip.at_eye(camera.pose().eye).collect(),
                 false => Vec::new(),
             },
             planes_along_rays: Vec::new(),

@@ -174,18 +174,18 @@ fn units_for(far: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement};
+    use crate::camera::{ImagePlane, Pose};
     use crate::random::Random;
     use glam::Vec3;
 
     fn reference(side: f32, eye: DVec3, projection: Projection) -> DepthReference {
         let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye,
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
-        let camera = Camera::new(placement, projection, plane);
+        let camera = Camera::new(pose, projection, plane);
         let bounds = Box32 {
             min: Vec3::splat(-side),
             max: Vec3::splat(side),

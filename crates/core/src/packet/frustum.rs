@@ -211,7 +211,7 @@ impl CellFrusta {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Orbit, Placement};
+    use crate::camera::{ImagePlane, Orbit, Pose};
     use crate::num::simd::Plain;
     use crate::packet::params::{ROW, SIDE};
     use crate::scene::Bounds;
@@ -227,14 +227,14 @@ mod tests {
         };
         let plane = ImagePlane::new(SIDE as u32, SIDE as u32, 0.05).expect("a good plane");
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            let camera = Camera::new(orbit.placement(), projection, plane);
+            let camera = Camera::new(orbit.pose(), projection, plane);
             let reach = Box32 {
                 min: Vec3::splat(-20.0),
                 max: Vec3::splat(20.0),
             };
             let from = Viewpoint {
                 camera: &camera,
-                eye: orbit.placement().eye,
+                eye: orbit.pose().eye,
                 eye_error: 0.0,
                 bounds: &reach,
             };
@@ -276,7 +276,7 @@ mod tests {
     /// The camera's right has a part of 10⁻⁵⁸, which single precision has not; times 10¹⁸ it is as much as the box is high.
     #[test]
     fn a_normal_below_single_precision_loses_no_box() {
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(
                 4.999999999999893e17,
                 4.999999999999893e17,
@@ -286,14 +286,14 @@ mod tests {
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(2, 1, 1e-13).expect("a good plane");
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let around = Box32 {
             min: Vec3::ZERO,
             max: Vec3::new(1e18, 1e18, 1e-40),
         };
         let from = Viewpoint {
             camera: &camera,
-            eye: placement.eye,
+            eye: pose.eye,
             eye_error: 0.0,
             bounds: &around,
         };
@@ -327,11 +327,11 @@ mod tests {
             max: Vec3::splat(20.0),
         };
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            let camera = Camera::new(orbit.placement(), projection, plane);
+            let camera = Camera::new(orbit.pose(), projection, plane);
             for corner in Bounds::around([DVec3::NEG_ONE, DVec3::ONE]).corners() {
                 let from = Viewpoint {
                     camera: &camera,
-                    eye: orbit.placement().eye + corner * 0.01,
+                    eye: orbit.pose().eye + corner * 0.01,
                     eye_error: 0.01,
                     bounds: &reach,
                 };

@@ -4,7 +4,7 @@
 
 use super::around_tests::{Sum, accel, check, scene};
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Lattice, Panorama, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Lattice, Panorama, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision};
 use crate::math;
 use crate::random::Random;
@@ -52,12 +52,12 @@ fn odd_place(random: &mut Random, panorama: Panorama) -> (f64, f64) {
 }
 
 /// A lattice of few rays around a position; one of its rays goes through it, except for rounding, at times exactly.
-fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lattice {
+fn lattice(random: &mut Random, pose: Pose, panorama: Panorama) -> Lattice {
     let (a, b) = match any(random, 3) {
         0 => panorama.place(random.point()).unwrap_or((0.0, 0.0)),
         _ => odd_place(random, panorama),
     };
-    let distance = placement.eye.distance(placement.target);
+    let distance = pose.eye.distance(pose.target);
     // Powers of two make positions exact.
     let step = match any(random, 2) {
         0 => math::pow(2.0, -1.0 - (random.unit() * 9.0).floor()),
@@ -72,7 +72,7 @@ fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lat
         rows,
         step: step * distance,
     };
-    let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+    let camera = Camera::new(pose, Projection::Panoramic(panorama), plane);
     let at = |place: f64, count: u32| {
         let middle = place / step + f64::from(count) * 0.5;
         (middle.floor().max(0.0) as u32).min(count - 1)
@@ -96,7 +96,7 @@ fn lattice(random: &mut Random, placement: Placement, panorama: Panorama) -> Lat
 /// Triangles where a lattice's rays look, of the shapes that ray casters get wrong.
 fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
     let camera = &lattice.camera;
-    let eye = camera.placement().eye;
+    let eye = camera.pose().eye;
     let [column, row] = [lattice.columns, lattice.rows].map(|count| any(random, count as usize));
     let ray = lattice.ray(column as u32, row as u32);
     let pitch = camera.plane().step / camera.distance();
@@ -141,13 +141,13 @@ fn triangle(random: &mut Random, lattice: &Lattice) -> [DVec3; 3] {
 }
 
 /// A camera, placed sensibly or not.
-fn placement(random: &mut Random) -> Placement {
+fn pose(random: &mut Random) -> Pose {
     let frame = [DVec3::ZERO, random.point() * 1e6][any(random, 2)];
     let way = match any(random, 3) {
         0 => [DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y][any(random, 3)],
         _ => random.point() * random.decades(-3.0, 3.0),
     };
-    Placement::towards(frame, frame + way)
+    Pose::towards(frame, frame + way)
 }
 
 #[test]
@@ -156,8 +156,8 @@ fn hostile_triangles_are_seen_as_single_rays_and_brute_force_see_them() {
     let mut sum = Sum::default();
     for round in 0..ROUNDS {
         let panorama = Panorama::ALL[round % Panorama::ALL.len()].1;
-        let placement = placement(&mut random);
-        let lattice = lattice(&mut random, placement, panorama);
+        let pose = pose(&mut random);
+        let lattice = lattice(&mut random, pose, panorama);
         let count = [1, 2, 7, 40][any(&mut random, 4)];
         let corners: Vec<_> = (0..count)
             .map(|_| triangle(&mut random, &lattice))
@@ -195,11 +195,11 @@ fn planes_a_subnormal_number_from_the_eye_are_ordered_by_packets() {
     };
     let corners: Vec<_> = (0..200).map(|_| [(); 3].map(|()| corner())).collect();
     let accel = accel(corners);
-    let placement = Placement::towards(DVec3::new(1.0, 0.0, 2.0), DVec3::new(0.0, 0.0, 0.5));
+    let pose = Pose::towards(DVec3::new(1.0, 0.0, 2.0), DVec3::new(0.0, 0.0, 0.5));
     let plane = ImagePlane::new(64, 48, 0.03).expect("a good plane");
     let panorama = Projection::Panoramic(Panorama::Equidistant);
     for projection in [Projection::Perspective, panorama] {
-        let camera = Camera::new(placement, projection, plane);
+        let camera = Camera::new(pose, projection, plane);
         let lattice = camera.whole().lattice();
         let mut sum = Sum::default();
         check(&accel, &lattice, Cull::None, &mut sum);
@@ -228,8 +228,8 @@ fn rays_at_the_borders_of_faces_belong_to_one_face() {
             let way = DVec3::from([x, y, z].map(f64::from));
             let step = f64::from(length) / f64::from(across);
             let plane = ImagePlane::new(columns, rows, step).expect("a good plane");
-            let placement = Placement::towards(DVec3::ZERO, way);
-            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            let pose = Pose::towards(DVec3::ZERO, way);
+            let camera = Camera::new(pose, Projection::Panoramic(panorama), plane);
             check_borders(&camera, across, &mut sum);
         }
     }

@@ -30,7 +30,7 @@
 //! The rays of a panorama form no lattice on any plane. Each of their packets (`cast::around`) has a plane of its
 //! own, perpendicular to its mean direction, on which its rays lie at irregular `places`. Triangles are set up as for
 //! a perspective packet, and their functions are evaluated at those places (`setup::place_bounds`,
-//! `traversal::placed_packets`, `interval_zbuffer::at_places`); small ones without set-up (`placed_triangles`). A packet
+//! `traversal::at_places`, `interval_zbuffer::at_places`); small ones without set-up (`triangles_at_places`). A packet
 //! that sees too wide for a plane is split.
 //! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds include how far the picture's
 //! own rays are from that lattice's.
@@ -61,9 +61,6 @@ mod lane_math;
 mod observer;
 mod params;
 mod place_box;
-mod placed_triangles;
-#[cfg(test)]
-mod placed_triangles_tests;
 mod places;
 mod plane_along_rays;
 mod plane_order;
@@ -84,6 +81,9 @@ mod small_triangles;
 mod sparse;
 mod trace;
 mod traversal;
+mod triangles_at_places;
+#[cfg(test)]
+mod triangles_at_places_tests;
 
 pub use counts::CastCounts;
 pub use trace::{EntryPoint, LargeTrace, PacketTrace};

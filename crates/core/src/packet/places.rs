@@ -176,7 +176,7 @@ impl Places {
         self.columns = packet.width;
         self.rows_of_rays = packet.height;
         // NaN fails this comparison.
-        let eye = camera.placement().eye.abs();
+        let eye = camera.pose().eye.abs();
         let is_near = rays.reach() <= FURTHEST && eye.cmple(DVec3::splat(FURTHEST)).all();
         if let Some(patch) = patch
             && is_near

@@ -106,7 +106,7 @@ impl PlaneAlongRays {
 mod tests {
     use super::super::setup_tests::space;
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection};
+    use crate::camera::{Camera, ImagePlane, Pose, Projection};
     use crate::hit::Cull;
     use crate::random::Random;
     use glam::DVec3;
@@ -122,8 +122,8 @@ mod tests {
             let pitch = 0.02 * 0.1f64.powi((random.unit() * 12.0) as i32);
             let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
             let eye = random.point();
-            let placement = Placement::towards(eye, eye + random.point().normalize());
-            let camera = Camera::new(placement, Projection::Perspective, plane);
+            let pose = Pose::towards(eye, eye + random.point().normalize());
+            let camera = Camera::new(pose, Projection::Perspective, plane);
             let space = space(&camera, DVec3::ZERO, Cull::None);
             let (column, row) = (
                 (random.unit() * 31.0).floor(),

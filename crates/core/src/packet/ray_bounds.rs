@@ -202,14 +202,14 @@ impl Projector {
         let empty = right.lt(left) | bottom.lt(top);
         out.seen = !empty.bits() & ((1 << count) - 1);
         self.test_small(lanes, &projected, &bounds, length, out);
-        let placed = ProjectedCorners {
+        let corners = ProjectedCorners {
             xs: projected.xs,
             ys: projected.ys,
             length,
             off: projected.place_error(),
             safe: projected.safe,
         };
-        let (bounds, seen) = bounds.shrunk_to_slivers(lanes, &placed, out.seen);
+        let (bounds, seen) = bounds.shrunk_to_slivers(lanes, &corners, out.seen);
         out.seen = seen;
 
         let nearest = projected.nearest;

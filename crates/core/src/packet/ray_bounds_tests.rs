@@ -5,13 +5,13 @@ use super::params::SIDE;
 use super::ray_bounds::{ProjectedTriangles, Projector};
 use super::setup::PacketSpace;
 use super::setup_tests::{camera, lanes_of, space, triangle_at_ray};
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
 use crate::math;
 use crate::num::simd::{LANES, Plain};
 use crate::random::Random;
 use crate::ray::Ray;
-use crate::triangle::exact::{self, PlacedTriangle};
+use crate::triangle::exact::{self, OffsetTriangle};
 use glam::{DVec3, Vec3};
 
 /// Counts of what was compared.
@@ -68,11 +68,11 @@ fn check_eight(
             },
             ..camera.ray(x as f64 + begin, y as f64 + begin)
         };
-        let placed = PlacedTriangle {
+        let triangle = OffsetTriangle {
             corners,
             origin: tree_origin,
         };
-        let truth = exact::hit(&ray, &placed, cull, 0);
+        let truth = exact::hit(&ray, &triangle, cull, 0);
         let key = truth.map(|hit| {
             let depth = hit.t * ray.direction.dot(camera.forward());
             match projection {
@@ -129,8 +129,8 @@ fn nearby_triangles_at_the_rim_of_a_wide_picture_keep_the_rays_that_hit_them() {
         let target = eye + random.point().normalize() * 5.0;
         let step = 5.0 * math::pow(10.0, -0.3 + random.unit());
         let plane = ImagePlane::new(64, 64, step).expect("a good plane");
-        let placement = Placement::towards(eye, target);
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let pose = Pose::towards(eye, target);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let size = (SIDE as u32, SIDE as u32);
         let first = (32.5, 32.5);
         let space = PacketSpace::new(&camera, eye, 0.0, first, 1.0, size, Cull::None);
@@ -177,8 +177,8 @@ fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {
         let eye = random.point();
         let way = random.point().normalize();
         let plane = ImagePlane::new(32, 32, 0.2).expect("a good plane");
-        let placement = Placement::towards(eye, eye + way);
-        let camera = Camera::new(placement, projection, plane);
+        let pose = Pose::towards(eye, eye + way);
+        let camera = Camera::new(pose, projection, plane);
         let projector = Projector::new(&space(&camera, DVec3::ZERO, Cull::None), 1.0);
         let triangles = std::array::from_fn(|_| {
             let [x, y] = [(); 2].map(|()| (random.unit() * 32.0) as usize);
@@ -213,8 +213,8 @@ fn rays_beside_their_places_are_within_the_bounds() {
     let mut hits = 0;
     for _ in 0..2000 {
         let plane = ImagePlane::new(32, 32, 1e-3).expect("a good plane");
-        let placement = Placement::towards(random.point().normalize() * 5.0, DVec3::ZERO);
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let pose = Pose::towards(random.point().normalize() * 5.0, DVec3::ZERO);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let mut space = space(&camera, DVec3::ZERO, Cull::None);
         space.ray_error = 0.05;
         let mut aimed = || {
@@ -230,11 +230,11 @@ fn rays_beside_their_places_are_within_the_bounds() {
         let mut projected = ProjectedTriangles::NONE;
         Projector::new(&space, 5.0).project(Plain, &corners, LANES, &mut projected);
         for (l, (corners, ray, [x, y])) in triangles.into_iter().enumerate() {
-            let placed = PlacedTriangle {
+            let triangle = OffsetTriangle {
                 corners,
                 origin: DVec3::ZERO,
             };
-            if exact::hit(&ray, &placed, Cull::None, 0).is_none() {
+            if exact::hit(&ray, &triangle, Cull::None, 0).is_none() {
                 continue;
             }
             let rays = projected.rays(l);

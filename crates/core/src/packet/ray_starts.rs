@@ -143,7 +143,7 @@ fn eight(bits: &[u8; ROWS], first: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement};
+    use crate::camera::{Camera, ImagePlane, Pose};
     use crate::hit::MISS;
     use crate::packet::around_tests::accel;
     use crate::random::Random;
@@ -152,13 +152,13 @@ mod tests {
     /// triangles of this plane: around all rays, or with random corners.
     fn rays_in_a_plane(extra: usize) -> (Lattice, Vec<[DVec3; 3]>) {
         let mut random = Random(94);
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.5, 0.5, -0.5),
             target: DVec3::new(2.5, -2.5, -1.5),
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(70, 40, 0.25).expect("a good plane");
-        let lattice = Camera::new(placement, Projection::Orthographic, plane)
+        let lattice = Camera::new(pose, Projection::Orthographic, plane)
             .whole()
             .lattice();
         let in_plane = |x: f64, y: f64| DVec3::new(x, y, 2.0 * x - 3.0 * y);

@@ -6,11 +6,11 @@ use super::params::SIDE;
 use super::ray_box::RayBox;
 use super::setup::PacketSpace;
 use super::setup_tests::{Tally, camera, check_aside, check_one, lanes_of, space};
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
 use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
-use crate::triangle::exact::PlacedTriangle;
+use crate::triangle::exact::OffsetTriangle;
 use glam::{DVec3, Vec3};
 
 const ALL: RayBox = RayBox {
@@ -24,7 +24,7 @@ const ALL: RayBox = RayBox {
 fn camera_at(eye: DVec3, target: DVec3, projection: Projection, pitch: f64) -> Camera {
     let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
     let up = DVec3::new(0.3, 1.0, 0.1);
-    Camera::new(Placement { eye, target, up }, projection, plane)
+    Camera::new(Pose { eye, target, up }, projection, plane)
 }
 
 /// Parallel rays start within a few roundings of a triangle's plane, far from the point that its corners are relative
@@ -68,7 +68,7 @@ fn check_diagonal(
         };
         work.run(Plain);
     }
-    let placed = PlacedTriangle {
+    let triangle = OffsetTriangle {
         corners,
         origin: DVec3::ZERO,
     };
@@ -79,7 +79,7 @@ fn check_diagonal(
         camera,
         aside,
         Cull::None,
-        &placed,
+        &triangle,
         rays,
         tally,
     );
@@ -113,12 +113,12 @@ fn edges_to_corners_of_very_different_depths_are_decided_only_where_it_is_sure()
         let sight = forward + diagonal * ((15.5 + 3e-3 * random.signed()) * column);
         let step = column * sight.dot(forward);
         let plane = ImagePlane::new(32, 32, step).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::ZERO,
             target: sight,
             up,
         };
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let off = column * random.decades(-4.0, -2.5);
         let eye = (right + up + forward * random.signed()) * (off * 0.5 * random.signed());
         let packet = (SIDE as u32, SIDE as u32);
@@ -152,12 +152,12 @@ fn depth_keys_of_slivers_square_to_the_rays_are_within_their_bounds() {
         let right = forward.cross(DVec3::Z);
         let eye = (right - DVec3::Z) * (15.5 * step);
         let plane = ImagePlane::new(32, 32, step).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye,
             target: eye + line,
             up: DVec3::Z,
         };
-        let camera = Camera::new(placement, Projection::Orthographic, plane);
+        let camera = Camera::new(pose, Projection::Orthographic, plane);
         let space = space(&camera, DVec3::ZERO, Cull::None);
         let corners = corners.map(DVec3::as_vec3);
         check_diagonal(&space, &camera, corners, true, &mut tally);
@@ -249,7 +249,7 @@ fn rays_beside_their_places_are_within_the_bounds() {
             (along + random.point() * (20.0 * pitch)).as_vec3()
         });
         let lanes = lanes_of([corners; LANES]);
-        let placed = PlacedTriangle {
+        let triangle = OffsetTriangle {
             corners,
             origin: DVec3::ZERO,
         };
@@ -273,7 +273,7 @@ fn rays_beside_their_places_are_within_the_bounds() {
                     &camera,
                     aside,
                     Cull::None,
-                    &placed,
+                    &triangle,
                     rays,
                     &mut tally,
                 );

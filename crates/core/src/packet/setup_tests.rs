@@ -7,14 +7,14 @@ use super::params::SIDE;
 use super::ray_box::RayBox;
 use super::setup::{PacketSpace, TriangleSetup};
 use crate::bvh::tree::Box32;
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
 use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
 use crate::ray::Ray;
 use crate::triangle::BoundedHit;
 use crate::triangle::CornerLanes;
-use crate::triangle::exact::{self, PlacedTriangle};
+use crate::triangle::exact::{self, OffsetTriangle};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 
@@ -42,12 +42,12 @@ pub(super) fn camera(
     pitch: f64,
 ) -> Camera {
     let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye: middle + random.point().normalize() * 5.0,
         target: middle,
         up: DVec3::Y,
     };
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 /// A triangle about as wide as some rays; one in three is edge-on except for rounding, or nearly so.
@@ -86,7 +86,7 @@ pub(super) fn triangle_at_ray(
 
 /// The packet of a camera's rays; corners are relative to `tree_origin`.
 pub(super) fn space(camera: &Camera, tree_origin: DVec3, cull: Cull) -> PacketSpace {
-    let eye = camera.placement().eye - tree_origin;
+    let eye = camera.pose().eye - tree_origin;
     let error = if tree_origin == DVec3::ZERO {
         0.0
     } else {
@@ -112,11 +112,11 @@ fn check(
     lane: (&TriangleSetup, usize),
     camera: &Camera,
     cull: Cull,
-    placed: &PlacedTriangle,
+    triangle: &OffsetTriangle,
     rays: impl Iterator<Item = (usize, usize)>,
     tally: &mut Tally,
 ) {
-    check_aside(lane, camera, (0.0, 0.0), cull, placed, rays, tally);
+    check_aside(lane, camera, (0.0, 0.0), cull, triangle, rays, tally);
 }
 
 /// As `check`, for rays so many columns and rows beside their places.
@@ -125,7 +125,7 @@ pub(super) fn check_aside(
     camera: &Camera,
     aside: (f64, f64),
     cull: Cull,
-    placed: &PlacedTriangle,
+    triangle: &OffsetTriangle,
     rays: impl Iterator<Item = (usize, usize)>,
     tally: &mut Tally,
 ) {
@@ -140,7 +140,7 @@ pub(super) fn check_aside(
                 t_min: if perspective { 0.0 } else { -1e99 },
                 ..ray
             };
-            let truth: Option<BoundedHit> = exact::hit(&ray, placed, cull, 0);
+            let truth: Option<BoundedHit> = exact::hit(&ray, triangle, cull, 0);
             if is_culled {
                 assert!(truth.is_none(), "left out, and hit by ({x}, {y})");
                 tally.culled += 1;
@@ -235,7 +235,7 @@ fn check_all(
         let camera = camera(&mut random, tree_origin, projection, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
         let space = space(&camera, tree_origin, cull);
-        let eye = camera.placement().eye - tree_origin;
+        let eye = camera.pose().eye - tree_origin;
         let triangles: [([Vec3; 3], (usize, usize)); LANES] = std::array::from_fn(|_| {
             if at_rays {
                 triangle_at_ray(&mut random, &camera, tree_origin, 12.0 * pitch)
@@ -268,7 +268,7 @@ fn check_all(
             work.run(Plain);
         }
         for (l, &(corners, ray)) in triangles.iter().enumerate() {
-            let placed = PlacedTriangle {
+            let triangle = OffsetTriangle {
                 corners,
                 origin: tree_origin,
             };
@@ -278,7 +278,7 @@ fn check_all(
                 (0..SIDE, 0..SIDE)
             };
             let rays = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
-            check((&set_up, l), &camera, cull, &placed, rays, &mut tally);
+            check((&set_up, l), &camera, cull, &triangle, rays, &mut tally);
         }
     }
     tally
@@ -301,7 +301,7 @@ pub(super) fn check_one(
     let space = space(camera, tree_origin, cull);
     let all = lanes_of([corners; LANES]);
     let mut set_up = space.set_up(&all, &[ALL; LANES]);
-    let placed = PlacedTriangle {
+    let triangle = OffsetTriangle {
         corners,
         origin: tree_origin,
     };
@@ -318,7 +318,7 @@ pub(super) fn check_one(
         }
         let rays = (0..SIDE * SIDE).step_by(23);
         let rays = rays.map(|at| (at % SIDE, at / SIDE));
-        check((&set_up, 0), camera, cull, &placed, rays, tally);
+        check((&set_up, 0), camera, cull, &triangle, rays, tally);
     }
 }
 
@@ -336,13 +336,13 @@ fn large_triangles_next_to_the_eye_are_decided_only_where_it_is_sure() {
         let beside = 1e-16 * crate::math::pow(10.0, 4.0 * random.unit()) * random.signed();
         let eye = inside + normal * beside;
         let tilt = [0.0, 0.3, 3.0][(random.unit() * 3.0) as usize % 3];
-        let placement = Placement {
+        let pose = Pose {
             eye,
             target: eye + (normal + random.point() * tilt) * (5.0 * random.signed()),
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
     }
     assert!(tally.hits + tally.culled > 1000, "{tally:?}");
@@ -360,13 +360,13 @@ fn depth_keys_of_planes_next_to_the_eye_are_within_their_bounds() {
         let inside = a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5;
         let normal = (b - a).cross(c - a).normalize();
         let eye = inside + normal * (1e-12 * crate::math::pow(10.0, 5.0 * random.unit()));
-        let placement = Placement {
+        let pose = Pose {
             eye,
             target: eye - normal * 5.0 + random.point(),
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         check_one(&mut random, &camera, DVec3::ZERO, corners, &mut tally);
     }
     assert!(tally.hits > 1000, "{tally:?}");
@@ -405,7 +405,7 @@ fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
         let corners = [(); 3].map(|()| (middle + random.point() * 1000.0).as_vec3());
         let [a, b, _] = corners.map(Vec3::as_dvec3);
         let target = tree_origin + a + (b - a) * random.unit();
-        let placement = Placement {
+        let pose = Pose {
             eye: target + random.point().normalize() * 1000.0,
             target,
             up: DVec3::Y,
@@ -413,7 +413,7 @@ fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
         let pitch = 1e-10 * crate::math::pow(10.0, 4.0 * random.unit());
         let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
         let projection = [Projection::Perspective, Projection::Orthographic][round % 2];
-        let camera = Camera::new(placement, projection, plane);
+        let camera = Camera::new(pose, projection, plane);
         check_one(&mut random, &camera, tree_origin, corners, &mut tally);
     }
     assert!(tally.hits > 1000, "{tally:?}");
@@ -514,7 +514,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
             let (mut both, mut ordered) = (0, 0);
             for round in 0..400 {
                 let camera = camera(&mut random, tree_origin, projection, pitch);
-                let eye = camera.placement().eye - tree_origin;
+                let eye = camera.pose().eye - tree_origin;
                 let boxes = [Box32 {
                     min: Vec3::splat(-8.0 * pitch as f32),
                     max: Vec3::splat(8.0 * pitch as f32),
@@ -554,11 +554,12 @@ fn relative_depth_keys_order_only_what_is_sure() {
                         let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
                         let t_min = if perspective { 0.0 } else { -1e99 };
                         let ray = Ray { t_min, ..ray };
-                        let placed = |l: usize| PlacedTriangle {
+                        let triangle = |l: usize| OffsetTriangle {
                             corners: triangles[l],
                             origin: tree_origin,
                         };
-                        let order = exact::compare(&ray, &placed(l), &placed(l + 1), Cull::None);
+                        let order =
+                            exact::compare(&ray, &triangle(l), &triangle(l + 1), Cull::None);
                         let Some(order) = order else { continue };
                         both += 1;
                         let key = |l: usize| {

@@ -5,8 +5,8 @@
 //! With u = 2⁻²⁴ (notation: `docs/error-bounds.md`).
 //!
 //! **Places.** A corner's place in the packet is off by at most M in each coordinate. A point of the true
-//! triangle is a convex combination of its corners; the same combination of the placed corners is within M of
-//! it. So where e(x, y) = e₀ + e_x·x + e_y·y is an edge function of the placed triangle, non-negative inside,
+//! triangle is a convex combination of its corners; the same combination of the projected corners is within M of
+//! it. So where e(x, y) = e₀ + e_x·x + e_y·y is an edge function of the projected triangle, non-negative inside,
 //! e ≥ −M(|e_x| + |e_y|) holds throughout the true one.
 //!
 //! **Rounding.** Let P be the greatest coordinate of a corner relative to the box's first ray, or the packet's
@@ -72,7 +72,7 @@ impl<L: Lanes> SliverBounds<L> {
     pub(super) fn shrunk_to_slivers(
         self,
         lanes: L,
-        placed: &ProjectedCorners<L>,
+        projected: &ProjectedCorners<L>,
         seen: u32,
     ) -> (Self, u32) {
         let ProjectedCorners {
@@ -81,7 +81,7 @@ impl<L: Lanes> SliverBounds<L> {
             length,
             safe,
             ..
-        } = *placed;
+        } = *projected;
         let to_b = (xs.1 - xs.0, ys.1 - ys.0);
         let to_c = (xs.2 - xs.0, ys.2 - ys.0);
         let area = cross(to_b, to_c);
@@ -93,7 +93,7 @@ impl<L: Lanes> SliverBounds<L> {
         if which.count_ones() < SEVERAL {
             return (self, seen);
         }
-        let (spans, sure) = self.spans(lanes, placed, area, which);
+        let (spans, sure) = self.spans(lanes, projected, area, which);
         let thin = thin & sure;
         let empty = (thin & spans.bottom.lt(spans.top)).bits();
         let boxes = Self {
@@ -110,20 +110,20 @@ impl<L: Lanes> SliverBounds<L> {
     fn spans(
         self,
         lanes: L,
-        placed: &ProjectedCorners<L>,
+        projected: &ProjectedCorners<L>,
         area: L::F32,
         which: u32,
     ) -> (Self, L::Mask) {
         let zero = lanes.splat(0.0);
         let side = lanes.splat(SIDE as f32);
-        let (ax, bx, cx) = relative_to(placed.xs, self.left);
-        let (ay, by, cy) = relative_to(placed.ys, self.top);
+        let (ax, bx, cx) = relative_to(projected.xs, self.left);
+        let (ay, by, cy) = relative_to(projected.ys, self.top);
         let across = furthest((ax, bx, cx));
         let along = furthest((ay, by, cy));
         let reach = across.max(along).max(side);
         // Places lie within `reach` of the box's own first place.
         let scale = reach * (0.5 / SIDE as f32) + 1.0;
-        let off = placed.off * scale;
+        let off = projected.off * scale;
         let off = off + reach * U32;
         let rounding = reach * reach * (24.0 * U32);
         let sure = (rounding * 4.0).lt(area.abs());
@@ -286,10 +286,10 @@ mod tests {
     }
 
     /// The boxes of projected triangles, and the shrunk boxes where any ray is left.
-    fn boxes(placed: &[Corners; LANES], off: f64) -> [([f32; 4], Option<[f32; 4]>); LANES] {
+    fn boxes(projected: &[Corners; LANES], off: f64) -> [([f32; 4], Option<[f32; 4]>); LANES] {
         let lanes = Plain;
         let each =
-            |of: &dyn Fn(&Corners) -> f64| lanes.load(&placed.each_ref().map(|c| of(c) as f32));
+            |of: &dyn Fn(&Corners) -> f64| lanes.load(&projected.each_ref().map(|c| of(c) as f32));
         let corner = |corner: usize, axis: usize| each(&move |c| c[corner][axis]);
         let low = |axis: usize| move |c: &Corners| c[0][axis].min(c[1][axis]).min(c[2][axis]);
         let high = |axis: usize| move |c: &Corners| c[0][axis].max(c[1][axis]).max(c[2][axis]);
@@ -303,7 +303,7 @@ mod tests {
             top: first(1),
             bottom: last(1),
         };
-        let placed = ProjectedCorners {
+        let projected = ProjectedCorners {
             xs: (corner(0, 0), corner(1, 0), corner(2, 0)),
             ys: (corner(0, 1), corner(1, 1), corner(2, 1)),
             length: length(0).max(length(1)),
@@ -311,7 +311,7 @@ mod tests {
             safe: zero.lt(one),
         };
         let none = whole.right.lt(whole.left) | whole.bottom.lt(whole.top);
-        let (small, seen) = whole.shrunk_to_slivers(lanes, &placed, !none.bits());
+        let (small, seen) = whole.shrunk_to_slivers(lanes, &projected, !none.bits());
         let sides = |boxes: SliverBounds<Plain>| {
             let mut sides = [[0.0; LANES]; 4];
             boxes.left.store(&mut sides[0]);
@@ -339,8 +339,8 @@ mod tests {
                 let off = off * (at.abs() / (2 * SIDE) as f64).max(1.0);
                 f64::from((at + 0.999 * off * random.signed()) as f32)
             };
-            let placed = real.map(|corners| corners.map(|c| c.map(&mut moved)));
-            for (real, (whole, small)) in real.iter().zip(boxes(&placed, off)) {
+            let projected = real.map(|corners| corners.map(|c| c.map(&mut moved)));
+            for (real, (whole, small)) in real.iter().zip(boxes(&projected, off)) {
                 let mut any = false;
                 for y in 0..SIDE {
                     for x in 0..SIDE {

@@ -56,7 +56,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
 mod tests {
     use super::super::cast_tests::waves_mesh;
     use crate::bvh::Accel;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection};
+    use crate::camera::{Camera, ImagePlane, Pose, Projection};
     use crate::hit::{Cull, Precision};
     use crate::scene::{Object, Scene};
     use glam::DVec3;
@@ -75,13 +75,13 @@ mod tests {
         let before = Accel::build_instances(&elsewhere).expect("a valid scene");
         let moved = before.updated_at_once(&scene).expect("a small change");
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            let placement = Placement {
+            let pose = Pose {
                 eye: DVec3::new(0.7, 1.9, 2.1),
                 target: DVec3::ZERO,
                 up: DVec3::Y,
             };
             let plane = ImagePlane::new(320, 240, 0.004).expect("a good plane");
-            let camera = Camera::new(placement, projection, plane);
+            let camera = Camera::new(pose, projection, plane);
             let mut found = [1, 8, 32].map(|stride| {
                 let lattice = camera.whole().sparse_lattice(stride, (0, 0));
                 [&one, &moved].map(|accel| {

@@ -4,9 +4,9 @@
 //! The triangles of the leaves reached are projected eight at a time. Small ones are tested and merged at once; the
 //! rest are queued, and set up eight at a time.
 
+mod at_places;
 mod descent;
 mod entry_points;
-mod placed_packets;
 
 use super::counts::CastCounts;
 use super::decisions::Decisions;
@@ -130,7 +130,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         lattice: &'a Lattice,
         precision: Precision,
     ) -> Self {
-        let (eye, eye_error) = relative_origin(lattice.camera.placement().eye, accel.origin);
+        let (eye, eye_error) = relative_origin(lattice.camera.pose().eye, accel.origin);
         Self {
             accel,
             clip,

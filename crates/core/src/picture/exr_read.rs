@@ -96,7 +96,7 @@ impl<R: Read + Seek> Reader<R> {
                 width: columns,
                 height: taken,
             };
-            picture.place(rect, &top.pixels, top.layers.as_ref());
+            picture.paste(rect, &top.pixels, top.layers.as_ref());
             done += taken;
         }
         Ok(picture)
@@ -277,7 +277,7 @@ fn position(header: &Header) -> Result<Option<FragmentPosition>, ImageError> {
         && (i64::from(x), i64::from(y)) == (position.rect.x.into(), position.rect.y.into());
     if !agrees {
         return Err(ImageError::Decode(
-            "its windows are not at the place that it tells".to_owned(),
+            "its windows are not at the position that it tells".to_owned(),
         ));
     }
     Ok(Some(position))

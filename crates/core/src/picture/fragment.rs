@@ -6,7 +6,7 @@ use crate::camera::Rect;
 use crate::digest::Digest;
 
 /// What is wrong with a whole picture.
-pub(super) const NO_POSITION: &str = "it does not tell its place in a larger picture";
+pub(super) const NO_POSITION: &str = "it does not tell its position in a larger picture";
 
 /// A tile in a file of its own, with all that stitching needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +59,7 @@ pub enum FragmentError {
         x: u32,
         /// The first row that both contain.
         y: u32,
-        /// The pixels that no fragment contains: one of the two may be in the wrong place.
+        /// The pixels that no fragment contains: one of the two may be at the wrong position.
         gaps: Gaps,
     },
     /// Pixels that no fragment contains.
@@ -125,12 +125,12 @@ impl Fragment {
             recipe,
             picture,
         };
-        fragment.check_place().map_err(not_a_fragment)?;
+        fragment.check_position().map_err(not_a_fragment)?;
         Ok(fragment)
     }
 
     /// Whether it lies inside its full picture.
-    pub(super) fn check_place(&self) -> Result<(), String> {
+    pub(super) fn check_position(&self) -> Result<(), String> {
         check_size(self.rect, (self.picture.width, self.picture.height))?;
         check_rect(self.full_size(), self.rect)
     }
@@ -339,7 +339,7 @@ pub(super) mod tests {
     }
 
     /// Every bit of a file, also where the format's own checksums are corrected afterwards: a fragment with one bit
-    /// flipped is refused, or has the same pixels at the same place of the same picture.
+    /// flipped is refused, or has the same pixels at the same position in the same picture.
     #[test]
     fn every_flipped_bit_of_a_fragment_is_refused_or_harmless() {
         let whole = sample_picture(11, 40, true);
@@ -430,14 +430,14 @@ pub(super) mod tests {
         for format in [Format::Png, Format::Exr] {
             let bytes = picture.encode(format).expect("encodes");
             assert!(
-                message(&bytes).contains("does not tell its place"),
+                message(&bytes).contains("does not tell its position"),
                 "{format:?}"
             );
             assert!(message(&bytes[..bytes.len() / 2]).starts_with("file: expected a fragment"));
         }
         let (_, fragment) = fragments(&picture, Grid::Size(2), Format::Exr).remove(3);
         for format in [Format::Ppm, Format::Jpeg] {
-            let error = fragment.encode(format).expect_err("no place for a place");
+            let error = fragment.encode(format).expect_err("no position");
             assert!(error.to_string().starts_with("fragments are PNG or EXR"));
         }
     }

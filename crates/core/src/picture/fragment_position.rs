@@ -53,7 +53,7 @@ pub(super) fn check_size(rect: Rect, (columns, rows): (u32, u32)) -> Result<(), 
     match (width, height) == (columns, rows) {
         true => Ok(()),
         false => Err(format!(
-            "its place is {width} x {height}, but it has {columns} x {rows} pixels"
+            "its position is {width} x {height}, but it has {columns} x {rows} pixels"
         )),
     }
 }
@@ -105,7 +105,7 @@ impl FromStr for FragmentPosition {
     type Err = ImageError;
 
     fn from_str(text: &str) -> Result<Self, ImageError> {
-        let expected = || ImageError::Decode(format!("its place reads {text:?}"));
+        let expected = || ImageError::Decode(format!("its position reads {text:?}"));
         let words: Vec<&str> = text.split(' ').collect();
         let [
             "full",
@@ -138,10 +138,10 @@ impl FromStr for FragmentPosition {
             recipe: recipe.parse().map_err(|_| expected())?,
             pixels: pixels.parse().map_err(|_| expected())?,
         };
-        // The only text of a place: another is damaged.
+        // The only text of a position: another is damaged.
         if position.to_string() != text {
             return Err(ImageError::Decode(
-                "its place is not the one that was written: its checksum is another".to_owned(),
+                "its position is not the one that was written: its checksum is another".to_owned(),
             ));
         }
         Ok(position)

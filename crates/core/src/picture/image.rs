@@ -190,7 +190,7 @@ impl Picture {
     /// Copies a rectangle's pixels (and layers, where both have them) into the picture.
     ///
     /// Returns `false`, without copying, where the rectangle leaves the picture or a list has a wrong length.
-    pub fn place(&mut self, rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
+    pub fn paste(&mut self, rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
         let fits = u64::from(rect.x) + u64::from(rect.width) <= u64::from(self.width)
             && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
         let counts_agree = pixels.len() == rect.area()

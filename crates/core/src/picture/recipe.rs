@@ -89,22 +89,22 @@ impl Recipe {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement, Projection};
-    use crate::scene::{ClippingPlane, Color, ColorMap, ColorScale, Scene};
-    use crate::shade::{Filter, Ground, Mode, TextureProjection, Wireframe};
+    use crate::camera::{ImagePlane, Pose, Projection};
+    use crate::scene::{ClippingPlane, Color, ColorMap, ColorScale, Scene, TextureProjection};
+    use crate::shade::{Filter, Ground, Mode, Wireframe};
     use glam::DVec3;
 
     /// A recipe in which nothing is at its default.
     pub(in crate::picture) fn sample_recipe(columns: u32, rows: u32) -> Recipe {
         let plane = ImagePlane::new(columns, rows, 0.1 / 3.0).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(1e-300, -2.5, 1e18 / 3.0),
             target: DVec3::new(-0.0, 1.0 / 3.0, 7.0),
             up: DVec3::X,
         };
         Recipe {
             scene: Scene::default().content(),
-            camera: Camera::new(placement, Projection::Orthographic, plane),
+            camera: Camera::new(pose, Projection::Orthographic, plane),
             samples: 16,
             pixel_filter: PixelFilter::Mitchell,
             cull: Cull::Back,

@@ -8,7 +8,7 @@ use super::recipe_values::{
     vector, wireframe_text,
 };
 use super::{ImageError, Recipe};
-use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Placement, Projection};
+use crate::camera::{BrownConrady, Camera, ImagePlane, PixelFilter, Pose, Projection};
 use crate::digest::Digest;
 use crate::ranges;
 use crate::scene::{ClippingPlane, ClippingPlanes};
@@ -27,18 +27,18 @@ impl Recipe {
             scene,
             camera,
             samples,
-            pixel_filter,
             cull,
             clip,
             precision,
             shading,
+            ..
         } = self;
         let ImagePlane {
             columns,
             rows,
             step,
         } = camera.plane();
-        let Placement { eye, target, up } = camera.placement();
+        let Pose { eye, target, up } = camera.pose();
         let Shading {
             mode,
             wireframe,
@@ -46,15 +46,8 @@ impl Recipe {
             blend,
             filter,
             projection,
-            crease,
-            lights,
-            plain_color,
-            scale,
-            back_faces,
-            x_ray_opacity,
-            ground,
+            ..
         } = shading;
-        let usual = Shading::default();
         let wireframe = wireframe_text(wireframe.as_ref());
         let background = background_text(background);
         // Recipes without planes keep the text that they had before planes existed.
@@ -64,7 +57,60 @@ impl Recipe {
                 format!("clip = [{}]\n", numbers.join(", "))
             })
             .collect();
-        // Optional lines, for what few pictures have.
+        let more = self.optional_lines();
+        format!(
+            "raycast-recipe = {VERSION}\n\
+             scene = \"{scene}\"\n\
+             size = [{columns}, {rows}]\n\
+             step = {}\n\
+             projection = \"{}\"\n\
+             eye = {}\n\
+             target = {}\n\
+             up = {}\n\
+             samples = {samples}\n\
+             cull = \"{}\"\n\
+             {clip}\
+             precision = \"{}\"\n\
+             mode = \"{}\"\n\
+             wireframe = {wireframe}\n\
+             background = {background}\n\
+             blend = {}\n\
+             filter = \"{}\"\n\
+             texture-projection = \"{}\"\n{more}",
+            float(&step),
+            camera.projection(),
+            vector(eye),
+            vector(target),
+            vector(up),
+            cull_word(*cull),
+            precision_word(*precision),
+            mode_word(*mode),
+            float(blend),
+            filter_word(*filter),
+            texture_projection_word(*projection),
+        )
+    }
+
+    /// Lines of what few pictures have; each is left out where it says the usual.
+    fn optional_lines(&self) -> String {
+        let Self {
+            camera,
+            pixel_filter,
+            shading:
+                Shading {
+                    mode,
+                    crease,
+                    lights,
+                    plain_color,
+                    scale,
+                    back_faces,
+                    x_ray_opacity,
+                    ground,
+                    ..
+                },
+            ..
+        } = self;
+        let usual = Shading::default();
         let mut more = String::new();
         if *crease != usual.crease {
             more += &format!("crease = {}\n", float(crease));
@@ -101,37 +147,7 @@ impl Recipe {
         if *mode == Mode::XRay {
             more += &format!("x-ray-opacity = {}\n", float(x_ray_opacity));
         }
-        format!(
-            "raycast-recipe = {VERSION}\n\
-             scene = \"{scene}\"\n\
-             size = [{columns}, {rows}]\n\
-             step = {}\n\
-             projection = \"{}\"\n\
-             eye = {}\n\
-             target = {}\n\
-             up = {}\n\
-             samples = {samples}\n\
-             cull = \"{}\"\n\
-             {clip}\
-             precision = \"{}\"\n\
-             mode = \"{}\"\n\
-             wireframe = {wireframe}\n\
-             background = {background}\n\
-             blend = {}\n\
-             filter = \"{}\"\n\
-             texture-projection = \"{}\"\n{more}",
-            float(&step),
-            camera.projection(),
-            vector(eye),
-            vector(target),
-            vector(up),
-            cull_word(*cull),
-            precision_word(*precision),
-            mode_word(*mode),
-            float(blend),
-            filter_word(*filter),
-            texture_projection_word(*projection),
-        )
+        more
     }
 }
 
@@ -212,7 +228,7 @@ fn read(text: &str) -> Result<Recipe, String> {
         let checked = stereo.check(projection, Some(plane));
         checked.map_err(|error| error.to_string())?;
     }
-    let camera = Camera::new(Placement { eye, target, up }, projection, plane);
+    let camera = Camera::new(Pose { eye, target, up }, projection, plane);
     let recipe = Recipe {
         scene,
         camera: camera.shifted(shift).in_stereo(stereo),

@@ -2,8 +2,8 @@
 
 use crate::camera::Stereo;
 use crate::hit::{Cull, Precision};
-use crate::scene::{Color, ColorMap, ColorScale};
-use crate::shade::{Background, EdgeKinds, Filter, LightSet, Mode, TextureProjection, Wireframe};
+use crate::scene::{Color, ColorMap, ColorScale, TextureProjection};
+use crate::shade::{Background, EdgeKinds, Filter, LightSet, Mode, Wireframe};
 use glam::DVec3;
 use std::fmt::LowerExp;
 use std::str::FromStr;

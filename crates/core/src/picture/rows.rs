@@ -162,7 +162,7 @@ mod tests {
                         width: 37,
                         height: rows.height,
                     };
-                    assert!(back.place(rect, &rows.pixels, rows.layers.as_ref()));
+                    assert!(back.paste(rect, &rows.pixels, rows.layers.as_ref()));
                     y += rows.height;
                 }
                 assert_eq!(reader.rows(most).expect("nothing is left").height, 0);

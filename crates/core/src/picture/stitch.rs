@@ -116,7 +116,7 @@ pub fn check_parts(parts: &[Part]) -> Result<(), FragmentError> {
 pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError> {
     for (name, fragment) in fragments {
         fragment
-            .check_place()
+            .check_position()
             .map_err(|reason| FragmentError::NotAFragment {
                 name: name.clone(),
                 reason,
@@ -133,7 +133,7 @@ pub fn stitch(fragments: &[(String, Fragment)]) -> Result<Picture, FragmentError
     let mut picture = Picture::try_blank(width, height, first.has_layers)?;
     for (name, fragment) in fragments {
         let (pixels, layers) = (&fragment.picture.pixels, fragment.picture.layers.as_ref());
-        if !picture.place(fragment.rect, pixels, layers) {
+        if !picture.paste(fragment.rect, pixels, layers) {
             return Err(FragmentError::NotAFragment {
                 name: name.clone(),
                 reason: "its pixels do not fill its rectangle".to_owned(),

@@ -113,7 +113,7 @@ impl Eyes {
                 ..tile.rect
             };
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
-            picture.place(at, &tile.pixels, tile.layers.as_ref());
+            picture.paste(at, &tile.pixels, tile.layers.as_ref());
             drop(picture);
             sink(&tile.stats);
         })
@@ -153,7 +153,7 @@ impl Eyes {
                 y: part.rect.y - rect.y,
                 ..part.rect
             };
-            picture.place(at, &tile.pixels, tile.layers.as_ref());
+            picture.paste(at, &tile.pixels, tile.layers.as_ref());
             stats += tile.stats;
         }
         let mut tile = Tile {

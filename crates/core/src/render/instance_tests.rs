@@ -2,7 +2,7 @@
 
 use super::{Cancel, Pass, Settings, View};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, Grid, ImagePlane, Pose, Projection};
 use crate::picture::Picture;
 use crate::scene::{
     ClippingPlane, ClippingPlanes, ColorRule, ColorScale, Curvature, Mesh, Object, Quantity, Scene,
@@ -143,7 +143,7 @@ fn pictures_of_instances_are_those_of_one_tree() {
             0 => Projection::Orthographic,
             _ => Projection::Perspective,
         };
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(1.0, 2.0, 5.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
@@ -152,7 +152,7 @@ fn pictures_of_instances_are_those_of_one_tree() {
         let views = trees.each_ref().map(|accel| View {
             scene: Arc::clone(&scene),
             accel: Arc::clone(accel),
-            camera: Camera::new(placement, projection, plane),
+            camera: Camera::new(pose, projection, plane),
             settings,
         });
         let [one, placed, moved] = views.each_ref().map(render);

@@ -2,7 +2,7 @@
 
 use super::{Cancel, Pass, Settings, View};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Panorama, Placement, Projection};
+use crate::camera::{Camera, Grid, ImagePlane, Panorama, Pose, Projection};
 use crate::hit::Cull;
 use crate::picture::Picture;
 use crate::random::Random;
@@ -96,7 +96,7 @@ fn cloud() -> Scene {
 }
 
 fn view(scene: Scene, projection: Projection, settings: Settings) -> View {
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::new(0.5, 0.7, 3.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
@@ -105,7 +105,7 @@ fn view(scene: Scene, projection: Projection, settings: Settings) -> View {
     View {
         accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
         scene: Arc::new(scene),
-        camera: Camera::new(placement, projection, plane),
+        camera: Camera::new(pose, projection, plane),
         settings,
     }
 }
@@ -236,8 +236,8 @@ fn of_ten_thousand_coincident_layers_the_lowest_that_is_kept_counts() {
         };
         let mut view = view(scene, Projection::Perspective, layers());
         let plane = ImagePlane::new(9, 7, 0.1).expect("a good plane");
-        let placement = view.camera.placement();
-        view.camera = Camera::new(placement, Projection::Perspective, plane);
+        let pose = view.camera.pose();
+        view.camera = Camera::new(pose, Projection::Perspective, plane);
         let picture = render(&view, Grid::default()).layers.expect("layers");
         for (object, triangle) in picture.object.iter().zip(&picture.triangle) {
             assert_eq!(*object, shown);

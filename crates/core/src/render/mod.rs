@@ -24,7 +24,6 @@ mod tile_renderer;
 mod view;
 mod workers;
 
-pub use crate::hit::Precision;
 pub use defaults::render;
 pub use pass::{Pass, Passes};
 pub use tile::{Tile, TileStats};

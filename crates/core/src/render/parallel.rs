@@ -100,7 +100,7 @@ impl View {
             let mut tile = self.finish(part.part(tiles[index]), &pattern, clock, buffers);
             tile.draw(legend.as_ref());
             let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
-            picture.place(tiles[index], &tile.pixels, tile.layers.as_ref());
+            picture.paste(tiles[index], &tile.pixels, tile.layers.as_ref());
             drop(picture);
             buffers.layers = tile.layers;
             sink(&tile.stats);

@@ -2,7 +2,7 @@
 
 use super::{Cancel, Pass, Passes, Settings, Tile, View};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection, Rect};
+use crate::camera::{Camera, Grid, ImagePlane, Pose, Projection, Rect};
 use crate::random::Random;
 use crate::scene::{Mesh, MeshData, Object, Scene};
 use crate::shade::{Mode, Shading};
@@ -25,7 +25,7 @@ fn view() -> View {
     let scene = Arc::new(Scene {
         objects: vec![Object::new("mesh", Arc::new(mesh))],
     });
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::Z * 6.0,
         target: DVec3::ZERO,
         up: DVec3::Y,
@@ -34,7 +34,7 @@ fn view() -> View {
     View {
         accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
         scene,
-        camera: Camera::new(placement, Projection::Perspective, plane),
+        camera: Camera::new(pose, Projection::Perspective, plane),
         settings: Settings {
             shading: Shading {
                 mode: Mode::Normals,

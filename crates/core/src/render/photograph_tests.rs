@@ -2,7 +2,7 @@
 
 use super::{Cancel, Pass, Settings, View};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, Grid, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
 use crate::picture::Picture;
 use crate::scene::{
@@ -62,7 +62,7 @@ fn rings() -> Scene {
 
 fn view(scene: Scene, eye: DVec3, settings: Settings) -> View {
     let target = DVec3::ZERO;
-    let placement = Placement {
+    let pose = Pose {
         eye,
         target,
         up: DVec3::Y,
@@ -72,7 +72,7 @@ fn view(scene: Scene, eye: DVec3, settings: Settings) -> View {
     View {
         accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
         scene: Arc::new(scene),
-        camera: Camera::new(placement, Projection::Perspective, plane),
+        camera: Camera::new(pose, Projection::Perspective, plane),
         settings,
     }
 }
@@ -226,7 +226,7 @@ fn passes_samples_layers_and_translucency_agree_on_what_photographs_see() {
         let coarse = Mutex::new(0);
         view.render_progressively(&tiles, &passes, CLOCK, &Cancel::default(), &|pass, tile| {
             let mut shown = shown.lock().expect("no sink panics");
-            shown.place(tile.rect, &tile.pixels, None);
+            shown.paste(tile.rect, &tile.pixels, None);
             if pass.stride == 4 {
                 let first = tile.rect.y as usize * 97 + tile.rect.x as usize;
                 *coarse.lock().expect("no sink panics") +=

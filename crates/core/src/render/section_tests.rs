@@ -2,7 +2,7 @@
 
 use super::{Cancel, Settings, View};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, Grid, ImagePlane, Pose, Projection};
 use crate::scene::{ClippingPlane, ClippingPlanes, Mesh, Object, Scene, Shape};
 use crate::shade::{Mode, Shading};
 use glam::DVec3;
@@ -29,7 +29,7 @@ fn view(projection: Projection, samples: u32) -> View {
     let scene = Arc::new(Scene {
         objects: vec![object("torus", torus), object("ball", ball)],
     });
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::new(1.0, 2.0, 4.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
@@ -39,7 +39,7 @@ fn view(projection: Projection, samples: u32) -> View {
         accel: Arc::new(Accel::build(&scene).expect("a valid scene")),
         scene,
         camera: Camera::new(
-            placement,
+            pose,
             projection,
             ImagePlane::new(131, 97, 0.025).expect("a good plane"),
         ),

@@ -25,25 +25,25 @@ pub(super) fn creased(
     kept: &[u32],
     degrees: f32,
 ) -> Attribute<Vec3> {
-    let place = weld(positions);
+    let welded = weld(positions);
     let fans = Fans {
         positions,
         triangles,
-        place: &place,
+        welded: &welded,
         least_cosine: match degrees < 180.0 {
             true => math::cos(f64::from(degrees).to_radians()),
             false => f64::NEG_INFINITY,
         },
     };
-    let (starts, corners) = fans.corners_by_place(kept);
-    let places: Vec<usize> = (0..positions.len()).step_by(CHUNK).collect();
-    let parts: Vec<_> = places
+    let (starts, corners) = fans.corners_by_position(kept);
+    let chunks: Vec<usize> = (0..positions.len()).step_by(CHUNK).collect();
+    let parts: Vec<_> = chunks
         .par_iter()
         .map(|&first| {
             let mut part = RangeNormals::default();
             let mut star = Star::default();
-            for place in first..(first + CHUNK).min(positions.len()) {
-                let corners = &corners[starts[place]..starts[place + 1]];
+            for position in first..(first + CHUNK).min(positions.len()) {
+                let corners = &corners[starts[position]..starts[position + 1]];
                 fans.smooth(corners, &mut star, &mut part);
             }
             part
@@ -97,26 +97,27 @@ struct Star {
 struct Fans<'m> {
     positions: &'m [Vec3],
     triangles: &'m [[u32; 3]],
-    place: &'m [u32],
+    /// Of the vertices at each one's position, the first.
+    welded: &'m [u32],
     least_cosine: f64,
 }
 
 impl Fans<'_> {
     /// The start of each vertex's corners, and the corners sorted by vertex, then by triangle.
-    fn corners_by_place(&self, kept: &[u32]) -> (Vec<usize>, Vec<Corner>) {
+    fn corners_by_position(&self, kept: &[u32]) -> (Vec<usize>, Vec<Corner>) {
         let mut starts = vec![0; self.positions.len() + 1];
         for &triangle in kept {
-            for vertex in self.places(triangle) {
+            for vertex in self.welded(triangle) {
                 starts[vertex as usize + 1] += 1;
             }
         }
-        for place in 1..starts.len() {
-            starts[place] += starts[place - 1];
+        for position in 1..starts.len() {
+            starts[position] += starts[position - 1];
         }
         let mut next = starts.clone();
         let mut corners = vec![Corner::default(); 3 * kept.len()];
         for &triangle in kept {
-            for (side, vertex) in (0..).zip(self.places(triangle)) {
+            for (side, vertex) in (0..).zip(self.welded(triangle)) {
                 corners[next[vertex as usize]] = Corner { triangle, side };
                 next[vertex as usize] += 1;
             }
@@ -124,8 +125,9 @@ impl Fans<'_> {
         (starts, corners)
     }
 
-    fn places(&self, triangle: u32) -> [u32; 3] {
-        self.triangles[triangle as usize].map(|vertex| self.place[vertex as usize])
+    /// The first vertices at the positions of a triangle's corners.
+    fn welded(&self, triangle: u32) -> [u32; 3] {
+        self.triangles[triangle as usize].map(|vertex| self.welded[vertex as usize])
     }
 
     /// Appends the normals at one vertex.
@@ -134,10 +136,10 @@ impl Fans<'_> {
         star.edges.clear();
         for (&Corner { triangle, side }, number) in corners.iter().zip(0..) {
             let side = side as usize;
-            let places = self.places(triangle);
-            let (next, last) = (places[(side + 1) % 3], places[(side + 2) % 3]);
-            let [a, b, c] =
-                [places[side], next, last].map(|place| self.positions[place as usize].as_dvec3());
+            let vertices = self.welded(triangle);
+            let (next, last) = (vertices[(side + 1) % 3], vertices[(side + 2) % 3]);
+            let [a, b, c] = [vertices[side], next, last]
+                .map(|vertex| self.positions[vertex as usize].as_dvec3());
             let (e, f) = (b - a, c - a);
             let normal = e.cross(f);
             // Coordinates are at most 1e18 and differ by at least 1e-45, so nothing overflows or underflows double

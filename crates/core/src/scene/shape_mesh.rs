@@ -12,55 +12,16 @@ impl Shape {
     /// As [`Shape::check`].
     pub fn mesh(&self) -> Result<MeshData, ShapeError> {
         self.check()?;
-        let up = DVec2::Y;
-        let flat = |normal: DVec2| [normal; 2];
-        let point = DVec2::new;
+        let (flat, point) = (|normal: DVec2| [normal; 2], DVec2::new);
+        let (up, outwards) = (DVec2::Y, DVec2::X);
         Ok(match *self {
             Self::Cube { size } => cube(size),
-            Self::Plane { size } => {
-                let corner = |x: f64, z: f64| DVec3::new(x * size.x * 0.5, 0.0, z * size.y * 0.5);
-                MeshData {
-                    positions: vec![
-                        corner(-1.0, 1.0),
-                        corner(1.0, 1.0),
-                        corner(1.0, -1.0),
-                        corner(-1.0, -1.0),
-                    ],
-                    triangles: vec![[0, 1, 2], [0, 2, 3]],
-                    normals: Some(Attribute {
-                        values: vec![Vec3::Y; 4],
-                        indices: None,
-                    }),
-                    uvs: Some(Attribute {
-                        values: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
-                        indices: None,
-                    }),
-                    ..MeshData::default()
-                }
-            }
+            Self::Plane { size } => plane(size),
             Self::Sphere {
                 radius,
                 segments,
                 rings,
-            } => {
-                let directions: Vec<DVec2> = (0..=rings)
-                    .map(|ring| match ring {
-                        0 => -up,
-                        _ if ring == rings => up,
-                        _ => {
-                            let angle = TAU * (0.5 * f64::from(ring) / f64::from(rings) - 0.25);
-                            let (sin, cos) = math::sin_cos(angle);
-                            point(cos, sin)
-                        }
-                    })
-                    .collect();
-                let profile: Vec<DVec2> = directions.iter().map(|d| *d * radius).collect();
-                let normals: Vec<[DVec2; 2]> = directions
-                    .windows(2)
-                    .map(|ends| [ends[0], ends[1]])
-                    .collect();
-                revolved(&profile, &normals, segments)
-            }
+            } => sphere(radius, segments, rings),
             Self::Cone {
                 radius,
                 height,
@@ -83,37 +44,81 @@ impl Shape {
                     point(radius, half),
                     point(0.0, half),
                 ];
-                revolved(&profile, &[flat(-up), flat(DVec2::X), flat(up)], segments)
+                revolved(&profile, &[flat(-up), flat(outwards), flat(up)], segments)
             }
             Self::Torus {
                 radius,
                 tube,
                 segments,
                 rings,
-            } => {
-                let directions: Vec<DVec2> = (0..rings)
-                    .map(|ring| {
-                        let (sin, cos) = math::sin_cos(TAU * f64::from(ring) / f64::from(rings));
-                        point(cos, sin)
-                    })
-                    .collect();
-                let mut profile: Vec<DVec2> = directions
-                    .iter()
-                    .map(|d| *d * tube + point(radius, 0.0))
-                    .collect();
-                // The profile is closed: it ends where it begins.
-                profile.extend(profile.first().copied());
-                let next = directions.iter().cycle().skip(1);
-                let normals: Vec<[DVec2; 2]> =
-                    directions.iter().zip(next).map(|(a, b)| [*a, *b]).collect();
-                revolved(&profile, &normals, segments)
-            }
+            } => torus(radius, tube, segments, rings),
             Self::Disc { radius, segments } => {
                 let profile = [point(radius, 0.0), DVec2::ZERO];
                 revolved(&profile, &[flat(up)], segments)
             }
         })
     }
+}
+
+/// A rectangle in the xz-plane, seen from above.
+fn plane(size: DVec2) -> MeshData {
+    let corner = |x: f64, z: f64| DVec3::new(x * size.x * 0.5, 0.0, z * size.y * 0.5);
+    MeshData {
+        positions: vec![
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+            corner(-1.0, -1.0),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        normals: Some(Attribute {
+            values: vec![Vec3::Y; 4],
+            indices: None,
+        }),
+        uvs: Some(Attribute {
+            values: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+            indices: None,
+        }),
+        ..MeshData::default()
+    }
+}
+
+/// A half circle, revolved; its ends are exactly on the axis.
+fn sphere(radius: f64, segments: u32, rings: u32) -> MeshData {
+    let directions: Vec<DVec2> = (0..=rings)
+        .map(|ring| match ring {
+            0 => DVec2::NEG_Y,
+            _ if ring == rings => DVec2::Y,
+            _ => {
+                let angle = TAU * (0.5 * f64::from(ring) / f64::from(rings) - 0.25);
+                let (sin, cos) = math::sin_cos(angle);
+                DVec2::new(cos, sin)
+            }
+        })
+        .collect();
+    let profile: Vec<DVec2> = directions.iter().map(|d| *d * radius).collect();
+    let normals: Vec<[DVec2; 2]> = directions
+        .windows(2)
+        .map(|ends| [ends[0], ends[1]])
+        .collect();
+    revolved(&profile, &normals, segments)
+}
+
+/// A circle beside the axis, revolved.
+fn torus(radius: f64, tube: f64, segments: u32, rings: u32) -> MeshData {
+    let directions: Vec<DVec2> = (0..rings)
+        .map(|ring| {
+            let (sin, cos) = math::sin_cos(TAU * f64::from(ring) / f64::from(rings));
+            DVec2::new(cos, sin)
+        })
+        .collect();
+    let middle = DVec2::new(radius, 0.0);
+    let mut profile: Vec<DVec2> = directions.iter().map(|d| *d * tube + middle).collect();
+    // The profile is closed: it ends where it begins.
+    profile.extend(profile.first().copied());
+    let next = directions.iter().cycle().skip(1);
+    let normals: Vec<[DVec2; 2]> = directions.iter().zip(next).map(|(a, b)| [*a, *b]).collect();
+    revolved(&profile, &normals, segments)
 }
 
 /// A box: eight vertices; each face has its own normal and the whole texture.

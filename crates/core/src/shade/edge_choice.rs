@@ -39,7 +39,7 @@ impl SilhouetteView {
         if camera.projection().is_parallel() {
             Self::Along(camera.forward())
         } else {
-            Self::Eye(camera.placement().eye)
+            Self::Eye(camera.pose().eye)
         }
     }
 

@@ -264,17 +264,17 @@ pub(super) fn covered(distance: f64, width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement, Projection};
+    use crate::camera::{ImagePlane, Pose, Projection};
     use crate::random::Random;
 
     fn camera(projection: Projection, eye: DVec3) -> Camera {
         let plane = ImagePlane::new(200, 100, 0.02).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye,
             target: DVec3::new(0.1, 0.2, 0.3),
             up: DVec3::Y,
         };
-        Camera::new(placement, projection, plane)
+        Camera::new(pose, projection, plane)
     }
 
     /// The distance from a point to the line through two others in the picture: the truth.

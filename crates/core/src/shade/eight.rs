@@ -441,28 +441,14 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     eight = EightSamples::Light(lines.over(lanes, under));
                 }
                 if let Some(pixels) = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut) {
-                    match eight {
-                        EightSamples::Light(light) => {
-                            shader.tables.encode_row(lanes, light, pixels)
-                        }
-                        EightSamples::Display(values) => {
-                            shader.tables.display_row(lanes, values, pixels)
-                        }
-                    }
-                    if shader.needs().ground {
-                        tile.show_ground(&rays, place, &hits, pixels);
-                    }
-                    tile.show_behind(&rays, place, hits.primitives, pixels);
+                    tile.show_eight(lanes, eight, &rays, place, &hits, pixels);
                     continue;
                 }
                 let opaque = match eight {
                     EightSamples::Light(light) => light,
                     EightSamples::Display(values) => shader.tables.displayed(lanes, values),
                 };
-                let Rows([r, g, b]) = opaque.store();
-                for (lane, light) in light[at].iter_mut().enumerate() {
-                    *light = [r[lane], g[lane], b[lane], 1.0];
-                }
+                store_opaque(opaque, &mut light[at]);
                 let light = &mut light[place.0 as usize..];
                 if any_misses(hits.primitives) || shader.needs().ground {
                     tile.light_others(&rays, place, behind, &hits, light);
@@ -482,7 +468,38 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
     }
 }
 
+/// Stores eight colours of linear light, opaque.
+#[inline(always)]
+fn store_opaque<L: Lanes>(colors: Vectors<L>, light: &mut [[f32; 4]]) {
+    let Rows([r, g, b]) = colors.store();
+    for (lane, light) in light.iter_mut().enumerate() {
+        *light = [r[lane], g[lane], b[lane], 1.0];
+    }
+}
+
 impl TileShader<'_> {
+    /// Writes eight samples as pixels, with the ground before triangles and what is seen beside them.
+    #[inline(always)]
+    fn show_eight<L: Lanes>(
+        &mut self,
+        lanes: L,
+        eight: EightSamples<L>,
+        rays: &TileRays,
+        place: (u32, u32),
+        hits: &EightHits<'_>,
+        pixels: &mut [[u8; 4]; LANES],
+    ) {
+        let shader = self.shader();
+        match eight {
+            EightSamples::Light(light) => shader.tables.encode_row(lanes, light, pixels),
+            EightSamples::Display(values) => shader.tables.display_row(lanes, values, pixels),
+        }
+        if shader.needs().ground {
+            self.show_ground(rays, place, hits, pixels);
+        }
+        self.show_behind(rays, place, hits.primitives, pixels);
+    }
+
     /// Of eight samples, those that show no triangle, or the ground before one.
     #[inline(never)]
     fn light_others(

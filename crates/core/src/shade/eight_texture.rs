@@ -14,13 +14,13 @@ use glam::Vec3;
 
 /// Where eight samples read their texture: at one place each, or at one a side.
 #[derive(Default)]
-struct TexturePlaces {
+struct TexturePoints {
     count: usize,
     weights: [Row; 3],
     uv: [[[f64; LANES]; 2]; 3],
 }
 
-impl TexturePlaces {
+impl TexturePoints {
     /// Between texture coordinates at the corners, as [`Texturing::sampled`](super::texture::texturing::Texturing::sampled) has it.
     #[inline(always)]
     fn set_uv<F: F32x8>(&mut self, corners: &[F; 18], (u, v): (&Row, &Row)) {
@@ -118,7 +118,7 @@ impl TileShader<'_> {
             });
             return Vectors::load(lanes, &colors);
         };
-        let mut sides = TexturePlaces::default();
+        let mut sides = TexturePoints::default();
         match found.triplanar {
             None => sides.set_uv(&corners, weights),
             Some(triplanar) => sides.set_triplanar(lanes, triplanar, &corners, weights),

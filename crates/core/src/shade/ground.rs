@@ -210,7 +210,7 @@ impl GroundGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Panorama, Placement, Projection};
+    use crate::camera::{ImagePlane, Panorama, Pose, Projection};
     use crate::random::Random;
     use crate::scene::{Mesh, MeshData, Object};
     use std::sync::Arc;
@@ -233,7 +233,7 @@ mod tests {
 
     /// Cameras for which cells are at least 15 pixels wide, so that no line fades.
     fn cameras() -> Vec<Camera> {
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.7, 1.5, 3.0),
             target: DVec3::new(0.1, -0.4, 0.2),
             up: DVec3::Y,
@@ -241,7 +241,7 @@ mod tests {
         let plane = ImagePlane::new(600, 400, 0.002).expect("a good plane");
         let panorama = Projection::Panoramic(Panorama::Stereographic);
         [Projection::Perspective, Projection::Orthographic, panorama]
-            .map(|projection| Camera::new(placement, projection, plane))
+            .map(|projection| Camera::new(pose, projection, plane))
             .into()
     }
 
@@ -281,13 +281,13 @@ mod tests {
     #[test]
     fn a_line_of_one_pixel_covers_as_much_as_it_is_long() {
         // Straight down: a cell of a tenth is 25 pixels wide.
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.03, 2.0, 0.04),
             target: DVec3::new(0.03, -0.5, 0.04),
             up: DVec3::Z,
         };
         let plane = ImagePlane::new(250, 250, 0.004).expect("a good plane");
-        let camera = Camera::new(placement, Projection::Orthographic, plane);
+        let camera = Camera::new(pose, Projection::Orthographic, plane);
         let ground = GroundGrid::new(&scene(), Ground::At(-0.2), &camera).expect("a ground");
         let mut sum = 0.0;
         for y in 145..195 {
@@ -312,7 +312,7 @@ mod tests {
             let target = DVec3::new(target.x, -0.5, target.z);
             let flat = if random.unit() < 0.5 { 1.0 } else { 0.01 };
             let toward = random.point() * DVec3::new(1.0, flat, 1.0);
-            let placement = Placement {
+            let pose = Pose {
                 eye: target + toward * far,
                 target,
                 up: random.point(),
@@ -323,7 +323,7 @@ mod tests {
                 true => Projection::Perspective,
                 false => Projection::Orthographic,
             };
-            let camera = Camera::new(placement, projection, plane);
+            let camera = Camera::new(pose, projection, plane);
             let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
             let Some(close) = ground.close else {
                 unknown += 1;
@@ -375,13 +375,13 @@ mod tests {
     #[test]
     fn rays_along_the_ground_and_eyes_in_it_see_none() {
         let plane = ImagePlane::new(3, 3, 0.1).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.0, -0.5, 3.0),
             target: DVec3::new(0.0, -0.5, 0.0),
             up: DVec3::Y,
         };
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            let camera = Camera::new(placement, projection, plane);
+            let camera = Camera::new(pose, projection, plane);
             let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
             for place in [(1.5, 1.5), (0.5, 1.5), (1.5, 0.5), (2.5, 2.5)] {
                 assert_eq!(ground.over(&camera, place, f32::INFINITY, CLEAR), CLEAR);

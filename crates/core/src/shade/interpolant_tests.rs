@@ -1,9 +1,11 @@
 //! t, u, v and normals by linear functions against the single ray's, at triangles that are hard to interpolate.
 
-use super::interpolants::{HitPlace, Interpolants, LinearNormal, PlanarRays, eight_weights_of};
+use super::interpolants::{
+    HitParameters, Interpolants, LinearNormal, PlanarRays, eight_weights_of,
+};
 use super::vectors::{Row, Rows, Vectors};
 use crate::Simd;
-use crate::camera::{Camera, ImagePlane, Lattice, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Lattice, Pose, Projection};
 use crate::hit::{Cull, Precision, PrimitiveHit};
 use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::random::Random;
@@ -47,7 +49,7 @@ fn tally(
     let frame = scene.0;
     for _ in 0..4000 {
         let (corners, Lattice { camera, .. }) = triangle_and_rays(&mut random, scene);
-        let camera = Camera::new(camera.placement(), projection, camera.plane());
+        let camera = Camera::new(camera.pose(), projection, camera.plane());
         let mut rays = PlanarRays::new(&camera, frame).expect("a planar picture");
         change(&mut rays);
         let interpolants = make(&rays, corners);
@@ -68,7 +70,7 @@ fn tally(
                 continue;
             };
             tally.interpolated += 1;
-            let HitPlace { t, u, v } = interpolants.at(&rays, place.0, place.1);
+            let HitParameters { t, u, v } = interpolants.at(&rays, place.0, place.1);
             let off = |found: f32, expected: f32| f64::from((found - expected).abs());
             let is_good = off(u, hit.u) <= BOUND
                 && off(v, hit.v) <= BOUND
@@ -141,7 +143,7 @@ fn every_instruction_set_gives_one_places_numbers_to_the_bit() {
         let scene = SCENES[round % 3];
         let (corners, Lattice { camera, .. }) = triangle_and_rays(&mut random, scene);
         let projection = PROJECTIONS[round / 3 % 2];
-        let camera = Camera::new(camera.placement(), projection, camera.plane());
+        let camera = Camera::new(camera.pose(), projection, camera.plane());
         let rays = PlanarRays::new(&camera, scene.0).expect("a planar picture");
         let Some(interpolants) = Interpolants::new(&rays, corners) else {
             continue;
@@ -169,7 +171,7 @@ fn every_instruction_set_gives_one_places_numbers_to_the_bit() {
             };
             dispatch(simd, work);
             for (lane, &x) in xs.iter().enumerate() {
-                let HitPlace { t, u, v } = interpolants.at(&rays, x, y);
+                let HitParameters { t, u, v } = interpolants.at(&rays, x, y);
                 let bits = [t, u, v].map(f32::to_bits);
                 assert_eq!(numbers.map(|row| row[lane].to_bits()), bits, "{simd:?}");
                 let one = normal.at(x, y, flat).to_array().map(f32::to_bits);
@@ -184,19 +186,19 @@ fn every_instruction_set_gives_one_places_numbers_to_the_bit() {
 fn scenes_of_any_scale_have_their_distances() {
     for projection in PROJECTIONS {
         for scale in [1e-30, 1e-20, 1.0, 1e15] {
-            let placement = Placement {
+            let pose = Pose {
                 eye: DVec3::new(0.3, 0.2, 3.0) * scale,
                 target: DVec3::ZERO,
                 up: DVec3::Y,
             };
             let plane = ImagePlane::new(64, 48, 0.03 * scale).expect("a size and a step");
-            let camera = Camera::new(placement, projection, plane);
+            let camera = Camera::new(pose, projection, plane);
             let corners = [Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 0.5), Vec3::Y];
             let corners = corners.map(|corner| corner * scale as f32);
             let rays = PlanarRays::new(&camera, DVec3::ZERO).expect("a planar picture");
             let interpolants = Interpolants::new(&rays, corners).expect("a large triangle");
             let hit = exact_hit(&camera, (32.5, 24.5), DVec3::ZERO, corners);
-            let HitPlace { t, .. } = interpolants.at(&rays, 32.5, 24.5);
+            let HitParameters { t, .. } = interpolants.at(&rays, 32.5, 24.5);
             assert!(
                 (t / hit.t - 1.0).abs() < 1e-6,
                 "{projection:?} {scale}: {t}"

@@ -81,7 +81,7 @@ impl PlanarRays {
         let (right, down) = (camera.right() * step, camera.up() * -step);
         let [width, height] = [plane.columns, plane.rows].map(f64::from);
         let reach = across.abs() + along.abs() + ahead + (width + height) * step;
-        let in_world = camera.placement().eye;
+        let in_world = camera.pose().eye;
         let (eye, mut eye_error) = relative_origin(in_world, frame);
         if is_parallel {
             eye_error += 2.0 * EPSILON * (in_world.abs().max_element() + reach);
@@ -233,7 +233,7 @@ pub(super) struct Interpolants {
 
 /// t, u and v of a hit.
 #[derive(Clone, Copy)]
-pub(super) struct HitPlace {
+pub(super) struct HitParameters {
     pub(super) t: f32,
     pub(super) u: f32,
     pub(super) v: f32,
@@ -297,14 +297,14 @@ impl Interpolants {
     }
 
     /// t, u and v at a place that shows the triangle.
-    pub(super) fn at(&self, rays: &PlanarRays, x: f64, y: f64) -> HitPlace {
+    pub(super) fn at(&self, rays: &PlanarRays, x: f64, y: f64) -> HitParameters {
         let inverse = 1.0 / self.w.at(x, y);
         let u = (self.u.at(x, y) * inverse).clamp(0.0, 1.0);
         let v = (self.v.at(x, y) * inverse).max(0.0).min(1.0 - u);
         let [constant, linear, quadratic] = rays.squared_lengths(y);
         let length = (constant + (linear + quadratic * x) * x) as f32;
         let t = self.t.at(x, y) * inverse * length.sqrt();
-        HitPlace { t, u, v }
+        HitParameters { t, u, v }
     }
 
     /// U, V and W at eight places of a row.

@@ -120,7 +120,7 @@ impl Legend {
     }
 
     /// The rectangle of the legend in a picture of this size; `None` if the picture is too small.
-    pub fn place(columns: u32, rows: u32) -> Option<Rect> {
+    pub fn rect(columns: u32, rows: u32) -> Option<Rect> {
         let zoom = zoom(rows);
         let [width, height, margin] =
             [WIDTH, HEIGHT, MARGIN].map(|length| (length * zoom).round() as u32);
@@ -167,7 +167,7 @@ pub(crate) struct DrawnLegend {
 impl DrawnLegend {
     /// `None` if the picture is too small.
     pub(crate) fn new(legend: &Legend, columns: u32, rows: u32) -> Option<Self> {
-        let rect = Legend::place(columns, rows)?;
+        let rect = Legend::rect(columns, rows)?;
         let glass = GLASS_LIGHT * GLASS;
         let mut drawn = Self {
             rect,
@@ -310,8 +310,8 @@ mod tests {
 
     #[test]
     fn a_legend_is_drawn_the_same_whole_and_in_parts() {
-        assert_eq!(Legend::place(200, 100), None);
-        let rect = Legend::place(640, 480).expect("it fits");
+        assert_eq!(Legend::rect(200, 100), None);
+        let rect = Legend::rect(640, 480).expect("it fits");
         let drawn = DrawnLegend::new(&legend(0.0, 1.0), 640, 480).expect("it fits");
         let whole = Rect {
             x: 0,

@@ -127,7 +127,7 @@ impl Lights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement, Projection};
+    use crate::camera::{ImagePlane, Pose, Projection};
     use crate::math;
     use glam::DVec3;
 
@@ -140,12 +140,12 @@ mod tests {
 
     fn is_bright_but_not_burnt(set: LightSet) {
         let plane = ImagePlane::new(4, 4, 0.1).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(3.0, 4.0, 5.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let lights = Lights::new(&camera, set);
         let to_eye = -camera.forward().as_vec3();
         let to_key = lights.sources[0].direction.unwrap_or(to_eye);

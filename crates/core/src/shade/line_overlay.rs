@@ -209,7 +209,7 @@ fn edges<'a>(
     let corners = accel
         .corners(primitive)
         .map(|corner| accel.origin() + corner.as_dvec3());
-    let eye = projector.camera.placement().eye;
+    let eye = projector.camera.pose().eye;
     let (styles, silhouettes) = match wanted.choice {
         None => ([Some(LineStyle::Plain); 3], [false; 3]),
         Some(choice) => {
@@ -340,17 +340,17 @@ fn shares_within(from: &[f64], to: &[f64]) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement, Projection};
+    use crate::camera::{ImagePlane, Pose, Projection};
     use crate::random::Random;
 
     fn camera(projection: Projection) -> Camera {
         let plane = ImagePlane::new(200, 100, 0.02).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.5, 0.3, 4.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
-        Camera::new(placement, projection, plane)
+        Camera::new(pose, projection, plane)
     }
 
     /// The truth is [`Camera::project`], point by point along the segment.
@@ -367,7 +367,7 @@ mod tests {
                     DVec3::new(coordinate(), coordinate(), coordinate())
                 };
                 let (a, b) = (point(), point());
-                let eye = camera.placement().eye;
+                let eye = camera.pose().eye;
                 let ends = [a, b].map(|end| projector.point(end - eye));
                 let part = projector.within(ends);
                 some[usize::from(part.is_some())] += 1;

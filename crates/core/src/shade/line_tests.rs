@@ -4,7 +4,7 @@ use super::edge_choice::EdgeChoice;
 use super::edges::LineStyle;
 use super::*;
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, Grid, ImagePlane, Pose, Projection};
 use crate::picture::Picture;
 use crate::render::{Cancel, Settings, View};
 use crate::scene::{ClippingPlane, ClippingPlanes, Color, Mesh, MeshData, Object, Scene, Shape};
@@ -25,12 +25,12 @@ fn cube() -> Mesh {
 
 fn camera(projection: Projection, eye: DVec3) -> Camera {
     let plane = ImagePlane::new(SIZE.0, SIZE.1, 0.03).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye,
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 /// A picture of red surfaces in front of a black background, with white lines.

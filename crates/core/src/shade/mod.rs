@@ -59,7 +59,6 @@ mod vectors;
 #[cfg(test)]
 mod vertex_color_tests;
 
-pub use crate::scene::TextureProjection;
 pub use edge_kinds::{EdgeKinds, EdgeKindsError};
 pub(crate) use eight_channels::Channels;
 pub(crate) use legend::DrawnLegend;

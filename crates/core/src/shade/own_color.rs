@@ -62,7 +62,7 @@ pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -
         plain: shading.plain_color,
         vary: true,
     };
-    let eye = camera.placement().eye;
+    let eye = camera.pose().eye;
     let offset = of.mesh.offset();
     let placed = || PlacedCorners {
         corners: corners
@@ -230,7 +230,7 @@ impl OwnColors {
                 Varied::Shares(corners.map(|corner| span.share(corner.dot(forward))))
             }
             (from, _) => {
-                let eye = camera.placement().eye;
+                let eye = camera.pose().eye;
                 let to_point = from.map_or(DVec3::ZERO, |from| eye - from);
                 Varied::Distances(corners.map(|corner| (corner + to_point).as_vec3()))
             }
@@ -300,7 +300,7 @@ pub(super) fn distance_range(
         return None;
     }
     let along_rays = from.is_none() && camera.projection() == Projection::Orthographic;
-    let from = from.unwrap_or(camera.placement().eye);
+    let from = from.unwrap_or(camera.pose().eye);
     let distances = bounds.corners().map(|corner| match along_rays {
         false => corner.distance(from),
         true => (corner - from).dot(camera.forward()),

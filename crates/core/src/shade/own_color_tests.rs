@@ -3,7 +3,7 @@
 use super::ramp::NO_NUMBER;
 use super::*;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
@@ -38,12 +38,12 @@ fn square(rule: &str) -> Object {
 
 fn camera(projection: Projection) -> Camera {
     let plane = ImagePlane::new(40, 30, 0.1).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::new(0.0, 0.0, 5.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 struct Picture {

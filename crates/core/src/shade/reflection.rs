@@ -262,7 +262,7 @@ mod tests {
     use super::super::vectors::Rows;
     use super::*;
     use crate::Simd;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection};
+    use crate::camera::{Camera, ImagePlane, Pose, Projection};
     use crate::num::simd::{Work, dispatch};
     use crate::random::Random;
     use glam::DVec3;
@@ -307,12 +307,12 @@ mod tests {
     #[test]
     fn every_instruction_set_reflects_what_one_pixel_reflects_to_the_bit() {
         let plane = ImagePlane::new(64, 64, 0.1).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(3.0, 4.0, 5.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let sets = [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint];
         let mut random = Random(5);
         for round in 0..2000 {

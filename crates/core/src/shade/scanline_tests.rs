@@ -4,7 +4,7 @@
 use super::facet::Interpolation;
 use super::{Filter, Mode, Shader, Shading};
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, Precision};
 use crate::hits::Hits;
 use crate::num::simd::Simd;
@@ -124,12 +124,12 @@ fn check(scene: &Scene, shadings: &[Shading]) {
     let at = DVec3::new;
     let accel = Accel::build(scene).expect("a good scene");
     let plane = ImagePlane::new(150, 30, 0.06).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye: at(0.0, 0.0, 5.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    let camera = Camera::new(placement, Projection::Perspective, plane);
+    let camera = Camera::new(pose, Projection::Perspective, plane);
     let rect = Rect {
         x: 1,
         y: 0,

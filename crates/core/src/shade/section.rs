@@ -85,7 +85,7 @@ impl<'a> Section<'a> {
     ) -> Option<Self> {
         let is_shown = cull == Cull::None && !camera.has_an_eye_a_column() && mode.shows().surfaces;
         let lights = Lights::new(&camera, LightSet::Soft);
-        let eye = camera.placement().eye;
+        let eye = camera.pose().eye;
         let (base, to_eye) = (srgb::linear(SECTION), -camera.forward().as_vec3());
         let planes = clip.enabled().filter(|_| is_shown).map(|given| {
             let length = given.normal.length();

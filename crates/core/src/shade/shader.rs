@@ -97,7 +97,7 @@ impl<'a> Shader<'a> {
             camera,
             shading,
             needs,
-            eye: camera.placement().eye - accel.origin(),
+            eye: camera.pose().eye - accel.origin(),
             to_eye: to_eye(&camera),
             planar: None,
             lights: Lights::new(&camera, shading.lights),

@@ -21,7 +21,7 @@ impl Sides {
     pub(super) fn new(camera: &Camera, origin: DVec3) -> Self {
         let eye = match camera.projection().is_parallel() {
             true => Err(camera.forward()),
-            false => Ok(camera.placement().eye),
+            false => Ok(camera.pose().eye),
         };
         Self { eye, origin }
     }
@@ -77,7 +77,7 @@ impl Sides {
 mod tests {
     use super::*;
     use crate::bvh::Accel;
-    use crate::camera::{ImagePlane, Placement, Projection};
+    use crate::camera::{ImagePlane, Pose, Projection};
     use crate::hit::Cull;
     use crate::random::Random;
     use crate::scene::{Mesh, MeshData, Scene};
@@ -94,12 +94,12 @@ mod tests {
             (2f64.next_down(), false),
         ] {
             for origin in [DVec3::ZERO, DVec3::X * 1024.0] {
-                let placement = Placement {
+                let pose = Pose {
                     eye: DVec3::new(1.0, 1.0, -z) + origin,
                     target: DVec3::ONE * 30.0,
                     up: DVec3::Y,
                 };
-                let camera = Camera::new(placement, Projection::Perspective, plane);
+                let camera = Camera::new(pose, Projection::Perspective, plane);
                 let sides = Sides::new(&camera, origin);
                 assert_eq!(sides.is_back(corners), is_back, "{z} {origin}");
             }
@@ -137,12 +137,12 @@ mod tests {
             }
             let plane = ImagePlane::new(101, 101, 1e-3).expect("a good plane");
             let projection = [Projection::Perspective, Projection::Orthographic][round / 2 % 2];
-            let placement = Placement {
+            let pose = Pose {
                 eye,
                 target: middle,
                 up: random.point(),
             };
-            let camera = Camera::new(placement, projection, plane);
+            let camera = Camera::new(pose, projection, plane);
             let sides = Sides::new(&camera, accel.origin());
             for step in -2..=2 {
                 let place = 50.5 + f64::from(step) * 1e-6;

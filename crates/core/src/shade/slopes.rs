@@ -47,7 +47,7 @@ pub(super) fn slopes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Panorama, Placement};
+    use crate::camera::{ImagePlane, Panorama, Pose};
 
     /// Barycentrics of the point where a ray intersects the plane of a triangle, in double precision.
     fn weights(camera: &Camera, [a, b, c]: [DVec3; 3], (x, y): (f64, f64)) -> DVec2 {
@@ -87,12 +87,12 @@ mod tests {
         {
             for eye in [DVec3::new(3.0, 2.0, 4.0), DVec3::new(-1.0, 0.5, 1.5)] {
                 let plane = ImagePlane::new(200, 100, 0.02).expect("a good plane");
-                let placement = Placement {
+                let pose = Pose {
                     eye,
                     target: DVec3::new(0.1, 0.2, 0.3),
                     up: DVec3::Y,
                 };
-                let camera = Camera::new(placement, projection, plane);
+                let camera = Camera::new(pose, projection, plane);
                 let corners = corners.map(|corner| corner - eye);
                 for (x, y) in [(100.0, 50.0), (90.5, 47.5), (108.0, 61.0)] {
                     let here = weights(&camera, corners, (x, y));

@@ -7,7 +7,7 @@ use super::light::Lights;
 use super::smooth::{Facets, light, to_eye};
 use super::vectors::{Row, Rows, Vectors};
 use crate::Simd;
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
 use crate::random::Random;
 use glam::{DVec3, Vec3};
@@ -38,12 +38,12 @@ impl Work for Pixels<'_> {
 #[test]
 fn every_instruction_set_gives_one_pixels_colours_to_the_bit() {
     let plane = ImagePlane::new(64, 64, 0.1).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::new(3.0, 4.0, 5.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    let camera = Camera::new(placement, Projection::Perspective, plane);
+    let camera = Camera::new(pose, Projection::Perspective, plane);
     let sets = [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint];
     let mut random = Random(31);
     for round in 0..3000 {

@@ -2,12 +2,12 @@
 
 use super::*;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Lattice, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
     Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Photograph, Scalar, ScalarAt,
-    Scene, Texture, Transform,
+    Scene, Texture, TextureProjection, Transform,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -42,12 +42,12 @@ fn object(data: MeshData) -> Object {
 
 fn camera(projection: Projection, eye: DVec3) -> Camera {
     let plane = ImagePlane::new(COLUMNS, ROWS, 0.1).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye,
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    Camera::new(placement, projection, plane)
+    Camera::new(pose, projection, plane)
 }
 
 fn front() -> Camera {
@@ -581,14 +581,14 @@ fn channels_are_those_of_single_samples(bench: &Bench, lattice: &Lattice, hits: 
 /// Depths and weights of triangles of a few pixels are interpolated from the corners.
 #[test]
 fn depths_of_small_triangles_come_from_hits() {
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::new(0.0, 0.0, 5.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
     for (side, expected) in [(5, Detail::Full), (6, Detail::Triangle)] {
         let plane = ImagePlane::new(side, side, 0.1).expect("a good plane");
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let bench = Bench::new(vec![object(square())], camera);
         for shown in [Mode::Depth, Mode::Barycentric] {
             assert_eq!(bench.shader(mode(shown)).detail(), expected, "{shown:?}");

@@ -80,15 +80,15 @@ impl TileRays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+    use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
     use glam::DVec3;
 
     /// Adding the offset before the lane would round twice: at column 16,384 of a tile that begins below it.
     #[test]
     fn eight_places_are_those_of_their_columns() {
         let plane = ImagePlane::new(20_000, 100, 0.1).expect("a good plane");
-        let placement = Placement::towards(DVec3::ZERO, DVec3::Z);
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let pose = Pose::towards(DVec3::ZERO, DVec3::Z);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let rect = Rect {
             x: 16_381,
             y: 7,

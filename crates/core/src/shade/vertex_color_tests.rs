@@ -1,7 +1,7 @@
 //! Vertex colours of files.
 
 use super::*;
-use crate::camera::{Camera, ImagePlane, Placement, Projection, Rect};
+use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision};
 use crate::scene::{Color, ColorRule, Material, Mesh, MeshData, Object, Scene};
 use crate::{Accel, Hits, PrimitiveHit};
@@ -33,13 +33,13 @@ fn object(data: MeshData) -> Object {
 }
 
 fn camera() -> Camera {
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::new(0.0, 0.0, 5.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
     let plane = ImagePlane::new(33, 17, 0.1).expect("a good plane");
-    Camera::new(placement, Projection::Perspective, plane)
+    Camera::new(pose, Projection::Perspective, plane)
 }
 
 fn color(object: Object, triangle: u32, mode: Mode, (u, v): (f32, f32)) -> [u8; 4] {

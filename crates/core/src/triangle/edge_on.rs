@@ -1,7 +1,7 @@
 //! Triangles exactly edge-on to a camera: decided once for all its rays.
 
 use super::componentwise::{plane_crosses, plane_misses};
-use super::exact::{PlacedTriangle, plane_contains, plane_is_parallel};
+use super::exact::{OffsetTriangle, plane_contains, plane_is_parallel};
 use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
@@ -36,7 +36,7 @@ impl Level {
         let axis = (0..3).find(|&axis| right[axis] == 0.0 && up[axis] == 0.0)?;
         Some(Self {
             axis,
-            coordinate: camera.placement().eye[axis],
+            coordinate: camera.pose().eye[axis],
             ascends: camera.forward()[axis] > 0.0,
         })
     }
@@ -81,9 +81,7 @@ pub(crate) struct EdgeOn {
 impl EdgeOn {
     pub(crate) fn new(camera: &Camera, tree_origin: DVec3) -> Self {
         let shared = match camera.projection() {
-            Projection::Perspective | Projection::Panoramic(_) => {
-                Shared::Eye(camera.placement().eye)
-            }
+            Projection::Perspective | Projection::Panoramic(_) => Shared::Eye(camera.pose().eye),
             Projection::Orthographic => Shared::Direction(camera.forward(), Level::of(camera)),
         };
         Self {
@@ -115,7 +113,7 @@ impl EdgeOn {
                     rounded.abs().max_element()
                 };
                 let misses = plane_misses(in_double, rounded, off);
-                let placed = PlacedTriangle {
+                let placed = OffsetTriangle {
                     corners,
                     origin: self.tree_origin,
                 };
@@ -138,13 +136,13 @@ impl EdgeOn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement};
+    use crate::camera::{ImagePlane, Pose};
     use crate::random::Random;
 
     fn camera(eye: DVec3, target: DVec3, projection: Projection) -> Camera {
         let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
         let up = DVec3::Y;
-        Camera::new(Placement { eye, target, up }, projection, plane)
+        Camera::new(Pose { eye, target, up }, projection, plane)
     }
 
     /// Triangles with the eye at a corner, on an edge, elsewhere in the plane, and next to the plane.

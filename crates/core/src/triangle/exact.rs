@@ -13,12 +13,12 @@ use std::cmp::Ordering;
 
 /// Three corners in single precision, relative to a point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PlacedTriangle {
+pub(crate) struct OffsetTriangle {
     pub(crate) corners: [Vec3; 3],
     pub(crate) origin: DVec3,
 }
 
-impl PlacedTriangle {
+impl OffsetTriangle {
     fn vectors(&self) -> [DVec3; 4] {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         [a, b, c, self.origin]
@@ -37,37 +37,38 @@ impl PlacedTriangle {
 /// misses, or hits outside the ray's range.
 pub(crate) fn hit(
     ray: &Ray,
-    placed: &PlacedTriangle,
+    triangle: &OffsetTriangle,
     cull: Cull,
     primitive: u32,
 ) -> Option<BoundedHit> {
     fn of<I: Integer>(
         ray: &Ray,
-        placed: &PlacedTriangle,
+        triangle: &OffsetTriangle,
         cull: Cull,
         primitive: u32,
         (lengths, directions): (Scale, Scale),
     ) -> Option<BoundedHit> {
-        ExactHit::<I>::new(ray, placed, cull, lengths, directions).map(|hit| hit.rounded(primitive))
+        ExactHit::<I>::new(ray, triangle, cull, lengths, directions)
+            .map(|hit| hit.rounded(primitive))
     }
-    let (lengths, directions) = scales(ray, &[placed]);
+    let (lengths, directions) = scales(ray, &[triangle]);
     sized!(
         lengths,
         directions,
-        of(ray, placed, cull, primitive, (lengths, directions))
+        of(ray, triangle, cull, primitive, (lengths, directions))
     )
 }
 
 /// Which of two triangles `ray` hits first; `None` unless it hits both.
 pub(crate) fn compare(
     ray: &Ray,
-    a: &PlacedTriangle,
-    b: &PlacedTriangle,
+    a: &OffsetTriangle,
+    b: &OffsetTriangle,
     cull: Cull,
 ) -> Option<Ordering> {
     fn of<I: Integer>(
         ray: &Ray,
-        [a, b]: [&PlacedTriangle; 2],
+        [a, b]: [&OffsetTriangle; 2],
         cull: Cull,
         (lengths, directions): (Scale, Scale),
     ) -> Option<Ordering> {
@@ -83,8 +84,8 @@ pub(crate) fn compare(
     )
 }
 
-fn scales(ray: &Ray, all: &[&PlacedTriangle]) -> (Scale, Scale) {
-    let corners = all.iter().flat_map(|placed| placed.vectors());
+fn scales(ray: &Ray, all: &[&OffsetTriangle]) -> (Scale, Scale) {
+    let corners = all.iter().flat_map(|triangle| triangle.vectors());
     let lengths = corners.chain([ray.origin]).flat_map(|v| v.to_array());
     (Scale::of(lengths), Scale::of_vectors([&ray.direction]))
 }
@@ -93,20 +94,20 @@ fn scales(ray: &Ray, all: &[&PlacedTriangle]) -> (Scale, Scale) {
 ///
 /// It is the numerator of every hit's parameter (see [`ExactHit`]): rays from the eye hit such a triangle at t = 0
 /// or, where all three weights are zero, not at all.
-pub(crate) fn plane_contains(eye: DVec3, placed: &PlacedTriangle) -> bool {
-    fn of<I: Integer>(eye: DVec3, placed: &PlacedTriangle, lengths: Scale) -> bool {
-        let [a, b, c] = placed.relative_to::<I>(eye, lengths);
+pub(crate) fn plane_contains(eye: DVec3, triangle: &OffsetTriangle) -> bool {
+    fn of<I: Integer>(eye: DVec3, triangle: &OffsetTriangle, lengths: Scale) -> bool {
+        let [a, b, c] = triangle.relative_to::<I>(eye, lengths);
         dot(&a, &cross(&b, &c)).sign() == Ordering::Equal
     }
-    let PlacedTriangle { corners, origin } = *placed;
+    let OffsetTriangle { corners, origin } = *triangle;
     // The difference mostly is a double, and then with far fewer digits than its two terms have between them.
     let lost = |axis| DoubleDouble::difference(eye[axis], origin[axis]).low != 0.0;
     if !(0..3).any(lost) {
         return lies_in_plane(eye - origin, corners);
     }
-    let lengths = Scale::of_vectors(placed.vectors().iter().chain([&eye]));
+    let lengths = Scale::of_vectors(triangle.vectors().iter().chain([&eye]));
     let none = Scale::of([]);
-    sized!(lengths, none, of(eye, placed, lengths))
+    sized!(lengths, none, of(eye, triangle, lengths))
 }
 
 /// Whether the plane of a triangle is parallel to `direction`: the three weights of every such ray sum to zero, so
@@ -207,13 +208,13 @@ impl<I: Integer> ExactHit<I> {
     /// parameter is A·(B×C) / (d·n).
     fn new(
         ray: &Ray,
-        placed: &PlacedTriangle,
+        triangle: &OffsetTriangle,
         cull: Cull,
         lengths: Scale,
         directions: Scale,
     ) -> Option<Self> {
         let d = directions.vector(ray.direction);
-        let [a, b, c] = placed.relative_to::<I>(ray.origin, lengths);
+        let [a, b, c] = triangle.relative_to::<I>(ray.origin, lengths);
 
         let b_cross_c = cross(&b, &c);
         let first = dot(&d, &b_cross_c);
@@ -297,14 +298,14 @@ mod tests {
     use crate::random::Random;
     use num_bigint::BigInt;
 
-    fn placed(corners: [Vec3; 3], origin: DVec3) -> PlacedTriangle {
-        PlacedTriangle { corners, origin }
+    fn triangle(corners: [Vec3; 3], origin: DVec3) -> OffsetTriangle {
+        OffsetTriangle { corners, origin }
     }
 
     #[test]
     fn an_exact_hit_is_at_the_known_point() {
         let corners = [Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0];
-        let here = placed(corners, DVec3::ZERO);
+        let here = triangle(corners, DVec3::ZERO);
         let ray = Ray::new(DVec3::new(1.0, 2.0, 5.0), DVec3::NEG_Z * 2.0);
         let found = hit(&ray, &here, Cull::None, 0).expect("a hit");
         assert_eq!((found.t, found.u, found.v), (2.5, 0.25, 0.5));
@@ -314,17 +315,17 @@ mod tests {
         let third = hit(&third, &here, Cull::None, 0).expect("a hit");
         assert!(third.t == 1.0 / 3.0 && third.t_error > 2e-17);
         let [a, b, c] = corners;
-        let turned = placed([a, c, b], DVec3::ZERO);
+        let turned = triangle([a, c, b], DVec3::ZERO);
         assert!(hit(&ray, &turned, Cull::Back, 0).is_none());
-        let shifted = placed(corners, DVec3::Z);
+        let shifted = triangle(corners, DVec3::Z);
         assert_eq!(hit(&ray, &shifted, Cull::None, 0).expect("a hit").t, 2.0);
-        let within = |t_min, t_max, placed| {
+        let within = |t_min, t_max, triangle| {
             let ray = Ray {
                 t_min,
                 t_max,
                 ..ray
             };
-            [placed, &turned].map(|placed| hit(&ray, placed, Cull::None, 0).is_some())
+            [triangle, &turned].map(|triangle| hit(&ray, triangle, Cull::None, 0).is_some())
         };
         assert_eq!(within(0.0, 2.0, &shifted), [true, false]);
         assert_eq!(within(0.0, 2.0, &here), [false; 2]);
@@ -334,7 +335,7 @@ mod tests {
         assert_eq!(order(&here, &turned), Some(Ordering::Equal));
         assert_eq!(order(&here, &shifted), Some(Ordering::Greater));
         assert_eq!(order(&shifted, &turned), Some(Ordering::Less));
-        let aside = placed(corners, DVec3::X * 9.0);
+        let aside = triangle(corners, DVec3::X * 9.0);
         assert_eq!(order(&aside, &here), None);
     }
 
@@ -357,7 +358,7 @@ mod tests {
                     .iter()
                     .sum::<DVec3>();
                 let ray = Ray::new(origin, inside - origin);
-                let here = placed(corners, DVec3::ZERO);
+                let here = triangle(corners, DVec3::ZERO);
                 let (lengths, directions) = scales(&ray, &[&here]);
                 let long = |hit: Option<BoundedHit>| hit.map(|hit| (hit.t, hit.u, hit.v));
                 let big = ExactHit::<BigInt>::new(&ray, &here, Cull::None, lengths, directions);
@@ -380,7 +381,7 @@ mod tests {
         ];
         let [_, b, c] = corners.map(Vec3::as_dvec3);
         for origin in [DVec3::ZERO, DVec3::new(1e7, -3e5, 0.125)] {
-            let here = placed(corners, origin);
+            let here = triangle(corners, origin);
             for eye in [DVec3::ZERO, b, b * 2.0, b + c, c * 0.5 - b] {
                 assert!(plane_contains(origin + eye, &here));
                 let next = (origin + eye).x.next_up();
@@ -389,7 +390,7 @@ mod tests {
         }
         // The difference of eye and origin is not a double; the plane is y = z.
         let corners_of_y = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
-        let here = placed(corners_of_y, DVec3::X * 2f64.powi(-80));
+        let here = triangle(corners_of_y, DVec3::X * 2f64.powi(-80));
         let eye = DVec3::new(1.0, 5.0, 5.0);
         assert!(plane_contains(eye, &here));
         assert!(!plane_contains(eye.with_z(5f64.next_up()), &here));

@@ -164,7 +164,7 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
     let [kx, ky, kz] = const { axes(MAJOR) };
     let [right, up, forward] =
         [camera.right(), camera.up(), camera.forward()].map(|v| v.to_array());
-    let eye = camera.placement().eye.to_array();
+    let eye = camera.pose().eye.to_array();
     let tree_origin = tree_origin.to_array();
     let off = if tree_origin == [0.0; 3] { 0.0 } else { 1.0 };
     let distance = camera.distance();
@@ -223,19 +223,19 @@ fn interpolate<const MAJOR: usize, const RAYS: u8>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{ImagePlane, Placement, Rect};
+    use crate::camera::{ImagePlane, Pose, Rect};
 
     /// The place of a sample's ray must not depend on the tile; here the tile begins below a power of two and ends
     /// above it.
     #[test]
     fn lanes_are_at_the_places_of_their_columns() {
         let plane = ImagePlane::new(20_000, 100, 0.1).expect("a good plane");
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::ZERO,
             target: DVec3::Z,
             up: DVec3::Y,
         };
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         for stride in [1, 3] {
             for sample in 0..256 {
                 let rect = Rect {

@@ -78,7 +78,7 @@ impl Pencil {
         if camera.projection() != Projection::Perspective || lattice.is_empty() {
             return None;
         }
-        let (eye, eye_error) = relative_origin(camera.placement().eye, tree_origin);
+        let (eye, eye_error) = relative_origin(camera.pose().eye, tree_origin);
         let [first, last] =
             [(0, 0), (lattice.columns - 1, lattice.rows - 1)].map(|(column, row)| {
                 let (x, y) = lattice.place(column, row);

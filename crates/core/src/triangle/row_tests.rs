@@ -3,7 +3,7 @@
 
 use super::PreparedRay;
 use super::interpolate::{LANES, RowPlaces, interpolate_row};
-use crate::camera::{Camera, ImagePlane, Lattice, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Lattice, Pose, Projection};
 use crate::hit::{Cull, Precision};
 use crate::random::Random;
 use glam::{DVec3, Vec3};
@@ -38,13 +38,13 @@ pub(crate) fn triangle_and_rays(
     let distance = size * decades(random, 15.0) * 1e-10;
     let distance = distance.max(place * 1e-12).max(1e-12);
     let target = tree_origin + target;
-    let placement = Placement {
+    let pose = Pose {
         eye: target + away.normalize_or(DVec3::X) * distance,
         target,
         up: DVec3::new(0.1, 1.0, 0.2),
     };
     let plane = ImagePlane::new(8, 8, size.min(distance) * 0.02).expect("a size and a step");
-    let camera = Camera::new(placement, Projection::Perspective, plane);
+    let camera = Camera::new(pose, Projection::Perspective, plane);
     (corners, camera.whole().lattice())
 }
 

@@ -12,7 +12,7 @@ mod order;
 use super::BoundedHit;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
-use super::exact::{self, PlacedTriangle};
+use super::exact::{self, OffsetTriangle};
 use crate::hit::{Cull, Precision};
 use crate::num::roundoff::EPSILON;
 use crate::ray::{Ray, relative_origin};
@@ -222,8 +222,8 @@ impl PreparedRay {
     }
 
     /// The triangle with these corners, for exact arithmetic.
-    fn placed(&self, corners: [Vec3; 3]) -> PlacedTriangle {
-        PlacedTriangle {
+    fn placed(&self, corners: [Vec3; 3]) -> OffsetTriangle {
+        OffsetTriangle {
             corners,
             origin: self.tree_origin,
         }

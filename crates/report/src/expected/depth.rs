@@ -23,7 +23,7 @@ pub(super) fn grey([near, per_unit]: [Single; 2], t: Single) -> Single {
 /// The distance at which the depth mode's greys begin, and one over the range that they cover: that of the scene's
 /// box; zero for an empty range.
 pub(super) fn range(stage: &Stage, camera: &Camera) -> [Single; 2] {
-    match distances(stage, camera, camera.placement().eye, true) {
+    match distances(stage, camera, camera.pose().eye, true) {
         Some([near, far]) if far.low > near.high => {
             [near.to(), (Double::exactly(1.0) / (far - near)).to()]
         }

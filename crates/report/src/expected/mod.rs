@@ -122,7 +122,7 @@ impl<'a> Expected<'a> {
         let plane = camera.plane();
         let has_legend = shading.scale.is_some_and(|scale| scale.legend);
         let legend = has_legend
-            .then(|| Legend::place(plane.columns, plane.rows))
+            .then(|| Legend::rect(plane.columns, plane.rows))
             .flatten();
         let repeat = |object: &Object| object.has_texture().then(|| Repeat::new(&object.mesh));
         Self {
@@ -284,7 +284,7 @@ impl<'a> Expected<'a> {
     fn hit(&self, truth: &Truth) -> Option<Hit<'_>> {
         let object = self.stage.scene.objects.get(truth.object as usize)?;
         let triangle = self.stage.oracle.triangle(truth.object, truth.triangle)?;
-        let eye = minus(exactly(self.camera.placement().eye), exactly(triangle.base));
+        let eye = minus(exactly(self.camera.pose().eye), exactly(triangle.base));
         let corners = triangle
             .corners
             .map(|corner| minus(exactly(corner.as_dvec3()), eye));

@@ -100,7 +100,7 @@ fn colors(map: ColorMap) -> Vec<Vector<24>> {
 /// The range that a quantity's colours are fitted to; `None` where it is not computed, or does not exist.
 fn fitted(stage: &Stage, camera: &Camera, quantity: &Quantity) -> Option<[Double; 2]> {
     if let Quantity::Distance(from) = quantity {
-        let point = from.unwrap_or(camera.placement().eye);
+        let point = from.unwrap_or(camera.pose().eye);
         return super::depth::distances(stage, camera, point, from.is_none());
     }
     let shows = |object: &&Object| {
@@ -236,7 +236,7 @@ fn number_color(
         Quantity::Distance(from) => {
             let along_rays = from.is_none() && camera.projection() == Projection::Orthographic;
             let to_point = match from {
-                Some(from) => camera.placement().eye - *from,
+                Some(from) => camera.pose().eye - *from,
                 None => Default::default(),
             };
             // Corners are rounded once to single precision.

@@ -128,7 +128,7 @@ fn sample_section(
     }) else {
         return SectionSample::None;
     };
-    let eye = camera.placement().eye - triangle.base;
+    let eye = camera.pose().eye - triangle.base;
     let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
     let placed = stage.scene.world_from_objects();
     let is_mirrored =

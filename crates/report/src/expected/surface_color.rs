@@ -3,8 +3,8 @@
 use super::photograph::{self, ShownPart};
 use super::range::{Single, Vector, plus};
 use super::{Expected, Hit, light, normal, reflection, srgb, texture};
-use raycast_core::scene::{ColorRule, Reflectance, Texture, Wrap};
-use raycast_core::shade::{Filter, TextureProjection};
+use raycast_core::scene::{ColorRule, Reflectance, Texture, TextureProjection, Wrap};
+use raycast_core::shade::Filter;
 use std::sync::Arc;
 
 impl Expected<'_> {

@@ -1,5 +1,5 @@
 use crate::meshes::{cuboid_parts, mesh};
-use raycast_core::camera::{Camera, Placement, PlaneError, PlaneRequest, Projection, fov_to_frame};
+use raycast_core::camera::{Camera, PlaneError, PlaneRequest, Pose, Projection, fov_to_frame};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 use raycast_core::scene::Mesh;
@@ -31,14 +31,14 @@ pub fn interior(triangles: u32) -> Mesh {
         steps,
     };
     let far = f64::from(ROOMS) * SIDE;
-    let corner = Pose::at(DVec3::ZERO);
+    let corner = LocalFrame::at(DVec3::ZERO);
     flat.shell(DVec3::ZERO, DVec3::new(far, HEIGHT, far));
     for line in 1..ROOMS {
         let at = f64::from(line) * SIDE;
         for room in 0..ROOMS {
             flat.wall(corner, f64::from(room) * SIDE, at);
             // The same wall seen the other way: along z in place of x.
-            let turned = Pose {
+            let turned = LocalFrame {
                 origin: DVec3::new(0.0, 0.0, far),
                 yaw: PI / 2.0,
             };
@@ -69,22 +69,22 @@ pub fn interior_camera(size: (u32, u32), close: bool) -> Result<Camera, PlaneErr
         ..PlaneRequest::default()
     }
     .resolve(size, fov_to_frame(fov, eye.distance(target)))?;
-    let placement = Placement {
+    let pose = Pose {
         eye,
         target,
         up: DVec3::Y,
     };
-    Ok(Camera::new(placement, Projection::Perspective, plane))
+    Ok(Camera::new(pose, Projection::Perspective, plane))
 }
 
 /// Where a thing stands, and which way it is turned about the vertical.
 #[derive(Clone, Copy)]
-struct Pose {
+struct LocalFrame {
     origin: DVec3,
     yaw: f64,
 }
 
-impl Pose {
+impl LocalFrame {
     fn at(origin: DVec3) -> Self {
         Self { origin, yaw: 0.0 }
     }
@@ -109,31 +109,31 @@ impl Flat {
     /// The inside of a box.
     fn shell(&mut self, min: DVec3, max: DVec3) {
         let first = self.faces.len();
-        self.cuboid(Pose::at(DVec3::ZERO), min, max);
+        self.cuboid(LocalFrame::at(DVec3::ZERO), min, max);
         for face in &mut self.faces[first..] {
             face.swap(1, 2);
         }
     }
 
     /// A box, fronts outwards.
-    fn cuboid(&mut self, place: Pose, min: DVec3, max: DVec3) {
+    fn cuboid(&mut self, frame: LocalFrame, min: DVec3, max: DVec3) {
         let first = self.positions.len() as u32;
         let (corners, triangles) = cuboid_parts(min, max);
         self.positions
-            .extend(corners.map(|corner| place.point(corner)));
+            .extend(corners.map(|corner| frame.point(corner)));
         self.faces
             .extend(triangles.map(|triangle| triangle.map(|corner| first + corner)));
     }
 
-    /// A wall with a doorway, from `from` on as long as a room, `across` away from the place.
-    fn wall(&mut self, place: Pose, from: f64, across: f64) {
+    /// A wall with a doorway, from `from` on as long as a room, `across` away from the frame.
+    fn wall(&mut self, frame: LocalFrame, from: f64, across: f64) {
         let (door, door_height) = ((2.0, 3.1), 2.1);
         // Ends are within the next wall, so that no two faces lie in each other.
         let ends = (from - 0.5 * WALL, from + SIDE + 0.5 * WALL);
         let (top, bottom) = (HEIGHT + 0.1, -0.1);
         let mut part = |x: (f64, f64), y: (f64, f64)| {
             let min = DVec3::new(x.0, y.0, across - WALL);
-            self.cuboid(place, min, DVec3::new(x.1, y.1, across + WALL));
+            self.cuboid(frame, min, DVec3::new(x.1, y.1, across + WALL));
         };
         part((ends.0, from + door.0), (bottom, top));
         part((from + door.1, ends.1), (bottom, top));
@@ -144,7 +144,7 @@ impl Flat {
     fn furnish(&mut self, corner: DVec3) {
         let middle = corner + DVec3::new(SIDE / 2.0, 0.0, SIDE / 2.0);
         let yaw = self.random.between(-0.4, 0.4);
-        let table = Pose {
+        let table = LocalFrame {
             origin: middle,
             yaw,
         };
@@ -152,16 +152,16 @@ impl Flat {
         for chair in 0..4 {
             let turned = yaw + f64::from(chair) * PI / 2.0;
             let away = DVec3::new(0.0, 0.0, self.random.between(0.8, 1.1));
-            let origin = Pose {
+            let origin = LocalFrame {
                 origin: middle,
                 yaw: turned,
             }
             .point(away);
             let yaw = turned + self.random.between(-0.3, 0.3);
-            self.chair(Pose { origin, yaw });
+            self.chair(LocalFrame { origin, yaw });
         }
-        self.shelf(Pose::at(corner + DVec3::new(0.2, 0.0, 0.12)));
-        let turned = Pose {
+        self.shelf(LocalFrame::at(corner + DVec3::new(0.2, 0.0, 0.12)));
+        let turned = LocalFrame {
             origin: corner + DVec3::new(SIDE - 0.12, 0.0, SIDE - 1.8),
             yaw: -PI / 2.0,
         };
@@ -183,20 +183,20 @@ impl Flat {
         }
         for _ in 0..3 {
             let radius = self.random.between(0.1, 0.3);
-            let place = DVec3::new(
+            let frame = DVec3::new(
                 self.random.between(0.8, SIDE - 0.8),
                 0.0,
                 self.random.between(0.8, SIDE - 0.8),
             );
-            self.turned(corner + place, radius, 2.0 * radius, |along| {
+            self.turned(corner + frame, radius, 2.0 * radius, |along| {
                 math::sin(PI * along)
             });
         }
     }
 
-    fn table(&mut self, place: Pose) {
+    fn table(&mut self, frame: LocalFrame) {
         let cuboid = |flat: &mut Self, min: [f64; 3], max: [f64; 3]| {
-            flat.cuboid(place, DVec3::from(min), DVec3::from(max));
+            flat.cuboid(frame, DVec3::from(min), DVec3::from(max));
         };
         cuboid(self, [-0.7, 0.72, -0.7], [0.7, 0.76, 0.7]);
         for (x, z) in [(-0.65, -0.65), (0.58, -0.65), (-0.65, 0.58), (0.58, 0.58)] {
@@ -204,9 +204,9 @@ impl Flat {
         }
     }
 
-    fn chair(&mut self, place: Pose) {
+    fn chair(&mut self, frame: LocalFrame) {
         let cuboid = |flat: &mut Self, min: [f64; 3], max: [f64; 3]| {
-            flat.cuboid(place, DVec3::from(min), DVec3::from(max));
+            flat.cuboid(frame, DVec3::from(min), DVec3::from(max));
         };
         cuboid(self, [-0.22, 0.43, -0.22], [0.22, 0.47, 0.22]);
         for (x, z, top) in [
@@ -224,10 +224,10 @@ impl Flat {
     }
 
     /// A shelf against a wall behind it, full of books.
-    fn shelf(&mut self, place: Pose) {
+    fn shelf(&mut self, frame: LocalFrame) {
         let (wide, deep) = (1.2, 0.3);
         let mut boxed = |min: [f64; 3], max: [f64; 3]| {
-            self.cuboid(place, DVec3::from(min), DVec3::from(max));
+            self.cuboid(frame, DVec3::from(min), DVec3::from(max));
         };
         boxed([0.0, 0.0, 0.0], [0.02, 2.0, deep]);
         boxed([wide, 0.0, 0.0], [wide + 0.02, 2.0, deep]);
@@ -235,7 +235,7 @@ impl Flat {
         for board in 0..5 {
             let y = 0.1 + 0.4 * f64::from(board);
             self.cuboid(
-                place,
+                frame,
                 DVec3::new(0.01, y, 0.005),
                 DVec3::new(wide + 0.01, y + 0.02, deep - 0.01),
             );
@@ -245,7 +245,7 @@ impl Flat {
                 let tall = self.random.between(0.18, 0.34);
                 let front = self.random.between(0.15, deep - 0.02);
                 self.cuboid(
-                    place,
+                    frame,
                     DVec3::new(x, y + 0.019, 0.02),
                     DVec3::new(x + thick, y + 0.02 + tall, front),
                 );

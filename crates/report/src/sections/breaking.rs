@@ -10,7 +10,7 @@ use crate::progress::ReportProgress;
 use crate::stage::scene_of;
 use crate::subject::{Input, Subject};
 use crate::table::{Cell, ReportError, Table, grouped};
-use raycast_core::camera::{Camera, ImagePlane, Placement, Projection};
+use raycast_core::camera::{Camera, ImagePlane, Pose, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 use raycast_core::scene::{Mesh, Scene};
@@ -168,12 +168,12 @@ fn patch_at_angle(angle: f64, side: u32) -> Result<(Scene, Camera), ReportError>
 /// A square picture whose frame has the height `frame` at the target.
 fn camera(eye: DVec3, target: DVec3, side: u32, frame: f64) -> Result<Camera, ReportError> {
     let plane = ImagePlane::new(side, side, frame / f64::from(side))?;
-    let placement = Placement {
+    let pose = Pose {
         eye,
         target,
         up: DVec3::Y,
     };
-    Ok(Camera::new(placement, Projection::Perspective, plane))
+    Ok(Camera::new(pose, Projection::Perspective, plane))
 }
 
 /// Checks the hits of every caster at each position of one axis.

@@ -8,7 +8,7 @@ use crate::progress::ReportProgress;
 use crate::table::{Cell, ReportError, Table};
 use crate::timing::{Spread, interleaved};
 use raycast_core::Accel;
-use raycast_core::camera::{Camera, Placement, PlaneRequest, Projection, fov_to_frame};
+use raycast_core::camera::{Camera, PlaneRequest, Pose, Projection, fov_to_frame};
 use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::render::{Settings, View};
 use raycast_core::scene::{Attribute, Mesh, MeshData, Object, Scene, Texture};
@@ -54,11 +54,7 @@ pub fn measure(
         Ok(View {
             accel: Arc::new(Accel::build(&scene)?.with_simd(budget.simd)),
             scene: Arc::new(scene.clone()),
-            camera: Camera::new(
-                Placement::towards(eye, target),
-                Projection::Perspective,
-                plane,
-            ),
+            camera: Camera::new(Pose::towards(eye, target), Projection::Perspective, plane),
             settings: Settings {
                 shading: Shading {
                     mode: Mode::Texture,

@@ -5,7 +5,7 @@ use crate::chart::{Note, QUIET, TEXT, annotated};
 use crate::figure::Figure;
 use crate::table::{ReportError, grouped};
 use image::{RgbImage, imageops};
-use raycast_core::camera::{Camera, ImagePlane, Lattice, Placement, Projection, Rect};
+use raycast_core::camera::{Camera, ImagePlane, Lattice, Pose, Projection, Rect};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 use raycast_core::scene::{Bounds, Color};
@@ -56,15 +56,15 @@ impl<'a> LevelFigure<'a> {
         radius: f64,
     ) -> Result<Self, ReportError> {
         let unit = |point: DVec3| (point - center) / radius;
-        let placement = camera.placement();
-        let placement = Placement {
-            eye: unit(placement.eye),
-            target: unit(placement.target),
-            up: placement.up,
+        let pose = camera.pose();
+        let pose = Pose {
+            eye: unit(pose.eye),
+            target: unit(pose.target),
+            up: pose.up,
         };
         let (columns, rows) = SIZE;
         let plane = ImagePlane::new(columns, rows, camera.plane().step / radius)?;
-        let inner = Camera::new(placement, Projection::Perspective, plane);
+        let inner = Camera::new(pose, Projection::Perspective, plane);
 
         let listed: HashSet<u32> = chosen
             .large
@@ -96,7 +96,7 @@ impl<'a> LevelFigure<'a> {
             max: unit(listed.bounds.max),
         });
         let boxes: Vec<Bounds> = boxes.collect();
-        let depth = |point: DVec3| (point - placement.eye).dot(inner.forward());
+        let depth = |point: DVec3| (point - pose.eye).dot(inner.forward());
         let corners = || triangles.iter().flat_map(|(corners, _)| corners);
         let begin = corners()
             .map(|&corner| depth(corner))
@@ -120,7 +120,7 @@ impl<'a> LevelFigure<'a> {
     /// The point at `depth` along the view axis on the inner camera's ray through (x, y).
     fn at(&self, (x, y): (f64, f64), depth: f64) -> DVec3 {
         let direction = self.inner.direction(x, y);
-        self.inner.placement().eye + direction * (depth / self.inner.distance())
+        self.inner.pose().eye + direction * (depth / self.inner.distance())
     }
 
     /// The corners at `depth` of the frustum of some of the inner camera's rays.
@@ -157,21 +157,21 @@ impl<'a> LevelFigure<'a> {
         let (aside, above) = (f64::to_radians(ASIDE), f64::to_radians(ABOVE));
         let level = self.inner.right() * math::sin(aside) - self.inner.forward() * math::cos(aside);
         let back = level * math::cos(above) + self.inner.up() * math::sin(above);
-        let mut points = vec![self.inner.placement().eye];
+        let mut points = vec![self.inner.pose().eye];
         points.extend(self.corners(&self.whole(), self.shown_at));
         points.extend(self.corners(&self.chosen.large.rays, self.end));
         points.extend(self.triangles.iter().flat_map(|(corners, _)| corners));
         let mut target = Bounds::around(points.iter().copied()).center();
         let mut distance = 12.0;
         let camera = |target: DVec3, distance: f64| -> Result<Camera, ReportError> {
-            let placement = Placement {
+            let pose = Pose {
                 eye: target + back * distance,
                 target,
                 up: self.inner.up(),
             };
             let step = raycast_core::camera::fov_to_frame(FOV, distance) / f64::from(rows);
             let plane = ImagePlane::new(columns, rows, step)?;
-            Ok(Camera::new(placement, Projection::Perspective, plane))
+            Ok(Camera::new(pose, Projection::Perspective, plane))
         };
         // Each iteration moves the middle of the content to the middle of the free area and scales it to fit; a few
         // iterations converge.
@@ -213,7 +213,7 @@ impl<'a> LevelFigure<'a> {
         for bounds in &self.boxes {
             figure.edges(bounds, 1.6, BOX_INK);
         }
-        let eye = self.inner.placement().eye;
+        let eye = self.inner.pose().eye;
         figure.ball(eye, 0.032, PICTURE_INK);
         // Draws the picture and its tiles.
         let whole = self.whole();

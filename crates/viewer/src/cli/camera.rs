@@ -3,7 +3,7 @@ use clap::Args;
 use raycast_core::camera::{BrownConrady, Projection};
 use raycast_core::glam::DVec3;
 
-/// The camera: its placement, projection and image plane.
+/// The camera: its pose, projection and image plane.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {

@@ -2,7 +2,7 @@
 
 use super::values::{Names, list, number, point};
 use raycast_core::camera::{
-    BrownConrady, LensError, Panorama, Placement, Projection, StereoKind, check_step,
+    BrownConrady, LensError, Panorama, Pose, Projection, StereoKind, check_step,
 };
 use raycast_core::ranges;
 
@@ -74,19 +74,19 @@ pub(super) fn convergence(text: &str) -> Result<f64, String> {
 }
 
 /// Parses a camera's eye, target and optional up direction.
-pub(super) fn placement(text: &str) -> Result<Placement, String> {
+pub(super) fn pose(text: &str) -> Result<Pose, String> {
     let points: Vec<_> = text.split('/').collect();
-    let placement = match points[..] {
-        [eye, target] => Placement::towards(point(eye)?, point(target)?),
-        [eye, target, up] => Placement {
+    let pose = match points[..] {
+        [eye, target] => Pose::towards(point(eye)?, point(target)?),
+        [eye, target, up] => Pose {
             eye: point(eye)?,
             target: point(target)?,
             up: point(up)?,
         },
         _ => return Err("expected points as EYE/TARGET[/UP]".to_owned()),
     };
-    placement.check().map_err(|error| error.to_string())?;
-    Ok(placement)
+    pose.check().map_err(|error| error.to_string())?;
+    Ok(pose)
 }
 
 /// Parses the distance between rays.

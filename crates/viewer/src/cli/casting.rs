@@ -1,7 +1,6 @@
 use super::{ClipArgs, values};
 use clap::Args;
-use raycast_core::Cull;
-use raycast_core::render::Precision;
+use raycast_core::{Cull, Precision};
 
 /// How rays are cast.
 #[derive(Clone, Debug, Args)]

@@ -5,7 +5,7 @@ use super::clip;
 use super::shading_values::{COLOR_MAPS, FILTERS, LIGHTS, MODES, TEXTURE_PROJECTIONS};
 use super::shell::quoted;
 use super::values::{self, CULLS, Names, PIXEL_FILTERS, PRECISIONS};
-use raycast_core::camera::{Placement, Projection, frame_to_fov};
+use raycast_core::camera::{Pose, Projection, frame_to_fov};
 use raycast_core::formats::{CameraFile, Limits};
 use raycast_core::glam::DVec3;
 use raycast_core::render::View;
@@ -34,7 +34,7 @@ pub fn render_command(
     }
     let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
     option("-o", output.to_owned());
-    let (plane, placement) = (camera.plane(), camera.placement());
+    let (plane, pose) = (camera.plane(), camera.pose());
     option("--size", format!("{}x{}", plane.columns, plane.rows));
     option("--step", plane.step.to_string());
     option("--projection", camera.projection().name().to_owned());
@@ -54,9 +54,9 @@ pub fn render_command(
             option("--convergence", convergence.to_string());
         }
     }
-    option("--eye", point(placement.eye));
-    option("--target", point(placement.target));
-    option("--up", point(placement.up));
+    option("--eye", point(pose.eye));
+    option("--target", point(pose.target));
+    option("--up", point(pose.up));
     let shading = &settings.shading;
     option("--mode", name_of(MODES, shading.mode));
     option(
@@ -136,27 +136,27 @@ pub fn has_own_projection(scene: &Scene) -> bool {
 /// view of that height at the target's distance.
 pub fn camera_options(camera: &CameraFile) -> String {
     let CameraFile {
-        placement,
+        pose,
         projection,
         frame,
     } = camera;
     let fov = match projection {
-        Projection::Orthographic => frame_to_fov(*frame, placement.eye.distance(placement.target)),
+        Projection::Orthographic => frame_to_fov(*frame, pose.eye.distance(pose.target)),
         Projection::Perspective | Projection::Panoramic(_) => *frame,
     };
     let lens = projection.lens().map(|lens| format!(" --lens {lens}"));
     format!(
         "--eye {} --target {} --up {} --fov {fov} --projection {}{}",
-        point(placement.eye),
-        point(placement.target),
-        point(placement.up),
+        point(pose.eye),
+        point(pose.target),
+        point(pose.up),
         projection.name(),
         lens.unwrap_or_default(),
     )
 }
 
 /// The camera in options of `raycast render`, among any other text. `None` without an eye or a target, or if the camera
-/// is invalid. Defaults: the up direction of [`Placement::towards`], perspective, the projection's field of view.
+/// is invalid. Defaults: the up direction of [`Pose::towards`], perspective, the projection's field of view.
 pub fn parse_camera_options(text: &str) -> Option<CameraFile> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let option = |name: &str| {
@@ -165,12 +165,12 @@ pub fn parse_camera_options(text: &str) -> Option<CameraFile> {
     };
     let read = |name: &str| option(name).map(values::point).transpose().ok();
     let (eye, target) = (read("--eye")??, read("--target")??);
-    let towards = Placement::towards(eye, target);
-    let placement = Placement {
+    let towards = Pose::towards(eye, target);
+    let pose = Pose {
         up: read("--up")?.unwrap_or(towards.up),
         ..towards
     };
-    placement.check().ok()?;
+    pose.check().ok()?;
     let projection = match option("--projection") {
         Some(name) => PROJECTIONS.iter().find(|(known, _)| *known == name)?.1,
         None => Projection::Perspective,
@@ -192,7 +192,7 @@ pub fn parse_camera_options(text: &str) -> Option<CameraFile> {
         (None, None) => projection.frame(projection.default_fov(), distance),
     };
     Some(CameraFile {
-        placement,
+        pose,
         projection,
         frame: match fov {
             _ if projection.is_parallel() => frame,
@@ -241,7 +241,7 @@ mod tests {
     fn a_camera_reads_back_as_it_was_written_and_nonsense_is_none() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let camera = CameraFile {
-                placement: Placement {
+                pose: Pose {
                     eye: DVec3::new(1.0 / 3.0, -2e-7, 5e9),
                     target: DVec3::new(0.5, 0.0, -1.0),
                     up: DVec3::new(0.1, 1.0, 0.0),
@@ -250,10 +250,7 @@ mod tests {
                 frame: 33.0,
             };
             let read = parse_camera_options(&camera_options(&camera)).expect("a camera");
-            assert_eq!(
-                (read.placement, read.projection),
-                (camera.placement, projection)
-            );
+            assert_eq!((read.pose, read.projection), (camera.pose, projection));
             assert!((read.frame / 33.0 - 1.0).abs() < 1e-6, "{read:?}");
         }
         let line =

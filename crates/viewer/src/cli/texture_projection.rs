@@ -1,6 +1,6 @@
 use super::{camera_values, shading_values, values};
 use clap::Args;
-use raycast_core::camera::{BrownConrady, DEFAULT_FOV, Placement};
+use raycast_core::camera::{BrownConrady, DEFAULT_FOV, Pose};
 use raycast_core::glam::{DVec2, DVec3};
 use raycast_core::scene::{Photograph, TextureProjection};
 
@@ -25,8 +25,8 @@ pub struct TextureProjectionArgs {
     pub size: Option<DVec2>,
     /// Project the texture as a photograph onto what its camera saw: that camera's position, target and up direction,
     /// in world space [default up: 0,1,0]
-    #[arg(id = "texture_camera", long = "texture-camera", value_name = "EYE/TARGET[/UP]", allow_hyphen_values = true, value_parser = camera_values::placement)]
-    pub camera: Option<Placement>,
+    #[arg(id = "texture_camera", long = "texture-camera", value_name = "EYE/TARGET[/UP]", allow_hyphen_values = true, value_parser = camera_values::pose)]
+    pub camera: Option<Pose>,
     /// The photograph's vertical field of view in degrees [default: 45]
     #[arg(id = "texture_fov", long = "texture-fov", value_name = "DEG", requires = "texture_camera", allow_hyphen_values = true, value_parser = camera_values::planar_fov)]
     pub fov: Option<f64>,
@@ -60,7 +60,7 @@ impl TextureProjectionArgs {
 
     /// The requested photograph's camera.
     pub fn photograph(&self) -> Option<Photograph> {
-        let Placement { eye, target, up } = self.camera?;
+        let Pose { eye, target, up } = self.camera?;
         Some(Photograph {
             eye,
             target,

@@ -1,12 +1,11 @@
 //! Values of options: names, numbers, sizes and points. Errors of the parsers say in words what was expected.
 
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
-use raycast_core::Cull;
 use raycast_core::camera::{ImagePlane, PixelFilter};
 use raycast_core::glam::DVec3;
 use raycast_core::ranges;
-use raycast_core::render::Precision;
 use raycast_core::scene::UpAxis;
+use raycast_core::{Cull, Precision};
 use std::str::FromStr;
 
 /// Names and their values, in the order in which help lists them.

@@ -6,15 +6,13 @@ use crate::output::print;
 use crate::progress::TerminalProgress;
 use crate::stats::{self, json, milliseconds};
 use crate::{memory, setup};
-use raycast_core::camera::{
-    Camera, Grid, ImagePlane, Lattice, PixelFilter, Placement, PlaneRequest,
-};
-use raycast_core::formats;
+use raycast_core::camera::{Camera, Grid, ImagePlane, Lattice, PixelFilter, PlaneRequest, Pose};
 use raycast_core::picture::Picture;
-use raycast_core::render::{Cancel, Precision, Settings, TileStats, View};
+use raycast_core::render::{Cancel, Settings, TileStats, View};
 use raycast_core::scene::{ClippingPlanes, Scene};
 use raycast_core::shade::Shading;
 use raycast_core::{Accel, Detail};
+use raycast_core::{Precision, formats};
 use raycast_report::casters::{self, Caster};
 use raycast_report::embree::{Embree, EmbreeError};
 use raycast_report::scenes::{Made, interior_camera};
@@ -267,9 +265,9 @@ fn inside(args: &BenchArgs) -> Result<Vec<(&'static str, Camera)>, Failure> {
         let is_planar = projection.panorama().is_none() || projection.lens().is_some();
         let plane = match is_planar {
             true => camera.plane(),
-            false => plane(args, &camera.placement())?,
+            false => plane(args, &camera.pose())?,
         };
-        Ok(Camera::new(camera.placement(), projection, plane))
+        Ok(Camera::new(camera.pose(), projection, plane))
     };
     Ok(vec![("medium", camera(false)?), ("close", camera(true)?)])
 }
@@ -281,9 +279,9 @@ fn fov(args: &BenchArgs) -> Result<f64, Failure> {
     checked.map_err(|error| Failure::usage(format!("--fov {fov}: {error}")))
 }
 
-/// The image plane of a camera with this placement.
-fn plane(args: &BenchArgs, placement: &Placement) -> Result<ImagePlane, Failure> {
-    let distance = placement.eye.distance(placement.target);
+/// The image plane of a camera with this pose.
+fn plane(args: &BenchArgs, pose: &Pose) -> Result<ImagePlane, Failure> {
+    let distance = pose.eye.distance(pose.target);
     let request = PlaneRequest {
         size: Some(args.size),
         ..PlaneRequest::default()
@@ -294,22 +292,22 @@ fn plane(args: &BenchArgs, placement: &Placement) -> Result<ImagePlane, Failure>
 
 /// The views to measure, by name.
 fn cameras(args: &BenchArgs, scene: &Scene) -> Result<Vec<(&'static str, Camera)>, Failure> {
-    let camera = |placement: Placement| -> Result<Camera, Failure> {
-        placement.check()?;
-        let plane = plane(args, &placement)?;
-        Ok(Camera::new(placement, args.projection(), plane))
+    let camera = |pose: Pose| -> Result<Camera, Failure> {
+        pose.check()?;
+        let plane = plane(args, &pose)?;
+        Ok(Camera::new(pose, args.projection(), plane))
     };
     if let Some(eye) = args.eye {
         let target = args.target.unwrap_or(scene.bounding_sphere().0);
-        let towards = Placement::towards(eye, target);
-        let given = Placement {
+        let towards = Pose::towards(eye, target);
+        let given = Pose {
             up: args.up.unwrap_or(towards.up),
             ..towards
         };
         return Ok(vec![("given", camera(given)?)]);
     }
     let seen = args.projection().fitting_fov(fov(args)?);
-    let from = |nearer| camera(views::filling(scene, args.size, seen, nearer)?.placement());
+    let from = |nearer| camera(views::filling(scene, args.size, seen, nearer)?.pose());
     Ok(vec![("medium", from(1.0)?), ("close", from(2.0)?)])
 }
 

@@ -227,8 +227,8 @@ impl<'a> Frames<'a> {
         let base = view.camera;
         let camera = match self.motion {
             CameraMotion::Turntable(count) => {
-                let placement = CameraPath::turntable(&base.placement(), count, frame);
-                Camera::new(placement, base.projection(), base.plane())
+                let pose = CameraPath::turntable(&base.pose(), count, frame);
+                Camera::new(pose, base.projection(), base.plane())
                     .shifted(base.shift())
                     .in_stereo(base.stereo())
             }
@@ -236,7 +236,7 @@ impl<'a> Frames<'a> {
                 let key = path.at(frame);
                 let own = self.opened.camera_file;
                 let file = CameraFile {
-                    placement: key.placement,
+                    pose: key.pose,
                     projection: own.map(|own| own.projection).unwrap_or_default(),
                     frame: key.view.or(own.map(|own| own.frame)).unwrap_or(DEFAULT_FOV),
                 };

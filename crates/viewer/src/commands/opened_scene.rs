@@ -166,13 +166,13 @@ mod tests {
 
     #[test]
     fn a_lens_that_ends_within_the_picture_gives_a_warning() {
-        use raycast_core::camera::{BrownConrady, Placement, Projection};
+        use raycast_core::camera::{BrownConrady, Pose, Projection};
         use raycast_core::glam::DVec3;
-        let placement = Placement::towards(DVec3::Z, DVec3::ZERO);
+        let pose = Pose::towards(DVec3::Z, DVec3::ZERO);
         let warning = |k1: f64| {
             let lens = BrownConrady::new([k1, 0.0, 0.0, 0.0, 0.0]).expect("a lens");
             let plane = ImagePlane::new(64, 48, 0.83 / 48.0).expect("a plane");
-            let camera = Camera::new(placement, Projection::through(lens), plane);
+            let camera = Camera::new(pose, Projection::through(lens), plane);
             lens_warning(&camera)
         };
         // The end of -10 is where 1 − 30 r² is zero: at atan(0.1826).
@@ -180,7 +180,7 @@ mod tests {
         assert!(ten.contains("ends 10.3 degrees off"), "{ten}");
         assert_eq!(warning(-0.2), None);
         let plane = ImagePlane::new(64, 48, 0.83 / 48.0).expect("a plane");
-        let pinhole = Camera::new(placement, Projection::Perspective, plane);
+        let pinhole = Camera::new(pose, Projection::Perspective, plane);
         assert_eq!(lens_warning(&pinhole), None);
     }
 }

@@ -280,7 +280,7 @@ fn check_fragment(tiles: &TileArgs, format: Format) -> Result<(), Failure> {
     match format {
         Format::Png | Format::Exr => Ok(()),
         Format::Ppm | Format::Jpeg | Format::Tiff => Err(Failure::usage(
-            "a fragment (--sub-camera) is written as .png or .exr, which can hold its place",
+            "a fragment (--sub-camera) is written as .png or .exr, which can hold its position",
         )),
     }
 }
@@ -367,7 +367,7 @@ fn render_unfinished(
     for (tiles, pass) in [(&tiles[..], coarse), (finished, full)] {
         view.render_progressively(tiles, &[pass], clock, &Cancel::default(), &|_, tile| {
             let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-            made.0.place(tile.rect, &tile.pixels, None);
+            made.0.paste(tile.rect, &tile.pixels, None);
             made.1 += tile.stats;
         });
     }

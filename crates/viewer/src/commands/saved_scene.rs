@@ -56,7 +56,7 @@ fn scene_file(view: &View, animation: Option<&CameraPath>) -> SceneFile {
     SceneFile {
         scene: view.scene.as_ref().clone(),
         camera: Some(CameraFile {
-            placement: camera.placement(),
+            pose: camera.pose(),
             projection: camera.projection(),
             frame: camera.fov_degrees().unwrap_or(plane.frame_height()),
         }),

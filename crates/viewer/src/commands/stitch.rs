@@ -67,16 +67,27 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
         let bytes = picture.encode_with(format, recipe)?;
         return output.write(&bytes)?.finish();
     }
+    stitch_bands(args, format, &output, parts, &progress)
+}
+
+/// Stitches a picture band by band, from fragments that are read again.
+fn stitch_bands(
+    args: &StitchArgs,
+    format: Format,
+    output: &Output,
+    parts: Vec<(Part, FileState)>,
+    progress: &TerminalProgress,
+) -> Result<(), Failure> {
     let (parts, states): (Vec<Part>, Vec<_>) = parts.into_iter().unzip();
     picture::check_parts(&parts)?;
     let Some(Part { recipe, .. }) = parts.first() else {
         return Err(FragmentError::None.into());
     };
-    let Some(banded) = Banded::new(&args.output, format, (recipe, None), &output, false)? else {
+    let Some(banded) = Banded::new(&args.output, format, (recipe, None), output, false)? else {
         return Err(Failure::could_not("the output is no longer what it was"));
     };
     let mut open: Vec<Option<RowReader<BufReader<File>>>> = parts.iter().map(|_| None).collect();
-    let written = banded.write(&progress, |band| {
+    let written = banded.write(progress, |band| {
         let mut picture = Picture::try_blank(band.width, band.height, format == Format::Exr)?;
         for ((part, state), open) in parts.iter().zip(&states).zip(&mut open) {
             let top = part.rect.y.max(band.y);
@@ -96,7 +107,7 @@ pub(super) fn run(args: &StitchArgs) -> Result<(), Failure> {
                 width: part.rect.width,
                 height: bottom - top,
             };
-            if !picture.place(rect, &rows.pixels, rows.layers.as_ref()) {
+            if !picture.paste(rect, &rows.pixels, rows.layers.as_ref()) {
                 return Err(changed(path));
             }
             // Closed at its end: there may be more fragments than a process may have open files.
@@ -133,9 +144,9 @@ fn check_all_there(inputs: &[&Path]) -> Result<(), Failure> {
 }
 
 /// A file's length and modification time, by which a change during reading is detected.
-type State = Option<(u64, SystemTime)>;
+type FileState = Option<(u64, SystemTime)>;
 
-fn file_state(path: &Path) -> State {
+fn file_state(path: &Path) -> FileState {
     let found = std::fs::metadata(path).ok()?;
     Some((found.len(), found.modified().ok()?))
 }
@@ -145,7 +156,7 @@ fn changed(path: &Path) -> Failure {
 }
 
 /// Opens a checked fragment again.
-fn read_rows(path: &Path, state: State) -> Result<RowReader<BufReader<File>>, Failure> {
+fn read_rows(path: &Path, state: FileState) -> Result<RowReader<BufReader<File>>, Failure> {
     let reader = open_rows(path)?;
     match state == file_state(path) {
         true => Ok(reader),

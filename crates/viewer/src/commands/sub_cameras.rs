@@ -73,7 +73,7 @@ pub(super) fn outside_view(view: &View, grid: Grid) -> Result<View, Failure> {
             .map_or_else(|| lively.clone(), ColorRule::Uniform);
         scene.objects.push(object);
     }
-    let from = Orbit::from_placement(&camera.placement());
+    let from = Orbit::from_placement(&camera.pose());
     let angles = (
         from.yaw + ASIDE.0,
         (from.pitch + ASIDE.1).clamp(-80.0, 80.0),
@@ -101,13 +101,13 @@ const CORNERS: [(f64, f64); 4] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)
 
 /// The frustum of a tile up to the plane of the camera's target.
 fn plane_outline(camera: &Camera, tile: Rect) -> Vec<Edge> {
-    let placement = camera.placement();
-    let forward = placement.target - placement.eye;
+    let pose = camera.pose();
+    let forward = pose.target - pose.eye;
     let rays = CORNERS.map(|(x, y)| {
         let (x, y) = place_in(tile, x, y);
         let ray = camera.ray(x, y);
         // A camera's ray is never parallel to the plane of the target.
-        let t = (placement.target - ray.origin).dot(forward) / ray.direction.dot(forward);
+        let t = (pose.target - ray.origin).dot(forward) / ray.direction.dot(forward);
         (ray.origin, ray.origin + ray.direction * t)
     });
     let mut outline = Vec::new();
@@ -125,17 +125,17 @@ fn plane_outline(camera: &Camera, tile: Rect) -> Vec<Edge> {
 /// What a tile of a panorama sees, up to the sphere through the camera's target: without the parts that are outside the
 /// picture's domain.
 fn curved_outline(camera: &Camera, tile: Rect) -> Vec<Edge> {
-    let placement = camera.placement();
-    let distance = placement.eye.distance(placement.target);
+    let pose = camera.pose();
+    let distance = pose.eye.distance(pose.target);
     let end = |(x, y): (f64, f64)| {
         let (x, y) = place_in(tile, x, y);
         let direction = camera.ray(x, y).direction.normalize_or_zero();
-        (direction != DVec3::ZERO).then_some(placement.eye + direction * distance)
+        (direction != DVec3::ZERO).then_some(pose.eye + direction * distance)
     };
     let mut outline = Vec::new();
     for corner in 0..CORNERS.len() {
         let (from, to) = (CORNERS[corner], CORNERS[(corner + 1) % CORNERS.len()]);
-        outline.extend(end(from).map(|to| (placement.eye, to)));
+        outline.extend(end(from).map(|to| (pose.eye, to)));
         let between = |piece: u32| {
             let share = f64::from(piece) / f64::from(PIECES);
             end((
@@ -174,19 +174,19 @@ fn bar(mesh: &mut MeshData, from: DVec3, to: DVec3, half_width: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::camera::{ImagePlane, Panorama, Placement, Projection};
+    use raycast_core::camera::{ImagePlane, Panorama, Pose, Projection};
     use std::f64::consts::TAU;
 
     #[test]
     fn a_frustum_reaches_from_the_eye_to_its_tiles_corners_on_the_targets_plane() {
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.0, 0.0, 4.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
         };
         let plane = ImagePlane::new(8, 4, 0.5).expect("a plane");
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            let camera = Camera::new(placement, projection, plane);
+            let camera = Camera::new(pose, projection, plane);
             let tile = Rect {
                 x: 4,
                 y: 0,
@@ -207,7 +207,7 @@ mod tests {
             );
             match projection {
                 Projection::Perspective | Projection::Panoramic(_) => {
-                    assert_eq!(from, placement.eye)
+                    assert_eq!(from, pose.eye)
                 }
                 Projection::Orthographic => assert!(from.distance(to + DVec3::Z * 4.0) < 1e-12),
             }
@@ -217,7 +217,7 @@ mod tests {
     /// The top left quarter of the sphere has four corners, that of a full fisheye's square three: one is outside the disc.
     #[test]
     fn a_panoramas_tile_reaches_the_sphere_through_the_target() {
-        let placement = Placement {
+        let pose = Pose {
             eye: DVec3::new(0.0, 0.0, 4.0),
             target: DVec3::ZERO,
             up: DVec3::Y,
@@ -227,7 +227,7 @@ mod tests {
             (Panorama::Equidistant, (8, 8), 3),
         ] {
             let plane = ImagePlane::new(columns, rows, 4.0 * TAU / 8.0).expect("a plane");
-            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            let camera = Camera::new(pose, Projection::Panoramic(panorama), plane);
             let quarter = Rect {
                 x: 0,
                 y: 0,
@@ -235,13 +235,13 @@ mod tests {
                 height: rows / 2,
             };
             let outline = curved_outline(&camera, quarter);
-            let from_eye = outline.iter().filter(|(from, _)| *from == placement.eye);
+            let from_eye = outline.iter().filter(|(from, _)| *from == pose.eye);
             assert_eq!(from_eye.count(), corners, "{panorama:?}");
             for (_, to) in &outline {
-                assert!((to.distance(placement.eye) - 4.0).abs() < 1e-12, "{to}");
+                assert!((to.distance(pose.eye) - 4.0).abs() < 1e-12, "{to}");
             }
             // The corner in the picture's middle, all but the shrinking.
-            let nearest = outline.iter().map(|(_, to)| to.distance(placement.target));
+            let nearest = outline.iter().map(|(_, to)| to.distance(pose.target));
             assert!(nearest.fold(f64::INFINITY, f64::min) < 4.0 * TAU * SHRINK);
         }
     }

@@ -14,19 +14,19 @@ pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
         return;
     }
     section(ui, (Icon::Video, "Camera"), false, |ui| {
-        let placement = state.viewpoint.placement();
+        let pose = state.viewpoint.pose();
         let speed = state.viewpoint.orbit.distance * 2e-3;
-        let (eye, target) = (placement.eye, placement.target);
+        let (eye, target) = (pose.eye, pose.target);
         let negligible = state.negligible();
         let hint = "Where the camera stands, in scene units";
         if let Some((_, eye)) = three(ui, ("Eye", hint), (eye, negligible), speed, None, "") {
-            out.push(Command::SetPlacement { eye, target });
+            out.push(Command::SetPose { eye, target });
         }
         let hint = "What it looks at and turns about, in scene units";
         if let Some((_, target)) =
             three(ui, ("Target", hint), (target, negligible), speed, None, "")
         {
-            out.push(Command::SetPlacement { eye, target });
+            out.push(Command::SetPose { eye, target });
         }
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;

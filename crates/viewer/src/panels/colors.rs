@@ -189,44 +189,7 @@ fn scale(ui: &mut Ui, state: &State, out: &mut Commands) {
         },
     );
     if !is_grey {
-        row(ui, "Range", "The numbers at the map's ends", |ui, label| {
-            let shown = state.shown_legend().map(|legend| legend.range());
-            let hint = "Fitted to what there is";
-            match tick(ui, scale.range.is_none(), "Fit", hint) {
-                Some(true) => set(ColorScale {
-                    range: None,
-                    ..scale
-                }),
-                Some(false) => {
-                    let range = shown.filter(|[low, high]| low < high).unwrap_or([0.0, 1.0]);
-                    set(ColorScale {
-                        range: Some(range),
-                        ..scale
-                    });
-                }
-                None => {}
-            }
-            if let Some([low, high]) = scale.range {
-                let number = |value: f64, hint| Number {
-                    value,
-                    range: f64::MIN..=f64::MAX,
-                    speed: (high - low) * 0.005,
-                    decimals: None,
-                    suffix: "",
-                    width: 52.0,
-                    hint,
-                };
-                let lower = number(low, "What has the first color").show(ui, label);
-                let higher = number(high, "What has the last color").show(ui, label);
-                let range = [lower.unwrap_or(low), higher.unwrap_or(high)];
-                if (lower.is_some() || higher.is_some()) && range[0] < range[1] {
-                    set(ColorScale {
-                        range: Some(range),
-                        ..scale
-                    });
-                }
-            }
-        });
+        range(ui, state, scale, &mut set);
         row(ui, "Legend", "What the colors stand for", |ui, _| {
             let hint = "Draw the legend into the picture, so that saved pictures have it";
             if let Some(legend) = tick(ui, scale.legend, "In pictures", hint) {
@@ -237,4 +200,38 @@ fn scale(ui: &mut Ui, state: &State, out: &mut Commands) {
     if chose_grey {
         out.push(Command::SetColorScale(None));
     }
+}
+
+/// The numbers at the ends of the map.
+fn range(ui: &mut Ui, state: &State, scale: ColorScale, set: &mut impl FnMut(ColorScale)) {
+    let mut set_range = |range| set(ColorScale { range, ..scale });
+    row(ui, "Range", "The numbers at the map's ends", |ui, label| {
+        let shown = state.shown_legend().map(|legend| legend.range());
+        let hint = "Fitted to what there is";
+        match tick(ui, scale.range.is_none(), "Fit", hint) {
+            Some(true) => set_range(None),
+            Some(false) => {
+                let fitted = shown.filter(|[low, high]| low < high);
+                set_range(Some(fitted.unwrap_or([0.0, 1.0])));
+            }
+            None => {}
+        }
+        if let Some([low, high]) = scale.range {
+            let number = |value: f64, hint| Number {
+                value,
+                range: f64::MIN..=f64::MAX,
+                speed: (high - low) * 0.005,
+                decimals: None,
+                suffix: "",
+                width: 52.0,
+                hint,
+            };
+            let lower = number(low, "What has the first color").show(ui, label);
+            let higher = number(high, "What has the last color").show(ui, label);
+            let range = [lower.unwrap_or(low), higher.unwrap_or(high)];
+            if (lower.is_some() || higher.is_some()) && range[0] < range[1] {
+                set_range(Some(range));
+            }
+        }
+    });
 }

@@ -225,7 +225,7 @@ pub(super) fn before(camera: &Camera, corners: &[DVec3]) -> Vec<DVec3> {
     }
     // A thousandth of the way to the target: what is nearer lies far outside of the picture, or fills it.
     let near = camera.distance() * 1e-3;
-    let depth = |p: DVec3| (p - camera.placement().eye).dot(camera.forward()) - near;
+    let depth = |p: DVec3| (p - camera.pose().eye).dot(camera.forward()) - near;
     let mut kept = Vec::new();
     for (i, &corner) in corners.iter().enumerate() {
         let next = corners[(i + 1) % corners.len()];

@@ -98,30 +98,7 @@ fn contents(ui: &mut Ui, state: &State, palette: &Palette, room: f32, out: &mut 
         .auto_shrink([false, true])
         .show(ui, |ui| {
             for (number, entry) in found.iter().enumerate() {
-                let quiet = theme::colors(ui).quiet;
-                let (name, beside, key, hint, lacks, applies) = match entry {
-                    Entry::Action(action) => (
-                        action.name.to_owned(),
-                        action.menu.name().to_owned(),
-                        keymap.key(action),
-                        action.does.to_owned(),
-                        action.lacks,
-                        (action.applies)(state),
-                    ),
-                    Entry::Recent(file) => {
-                        let folder = file.parent().unwrap_or(file).display().to_string();
-                        let hint = file.display().to_string();
-                        (open_name(file), folder, String::new(), hint, "", true)
-                    }
-                };
-                let beside = RichText::new(beside).color(quiet).small();
-                let button = Button::new((RichText::new(name), beside))
-                    .selected(number == marked)
-                    .frame_when_inactive(number == marked)
-                    .right_text(RichText::new(key).color(quiet))
-                    .truncate()
-                    .min_size(vec2(ui.available_width(), 0.0));
-                let response = explained(ui.add_enabled(applies, button), lacks);
+                let (response, hint) = entry.show(ui, state, &keymap, number == marked);
                 if number == marked && (up || down) {
                     response.scroll_to_me(None);
                 }
@@ -137,6 +114,42 @@ enum Entry<'s> {
     Action(&'static Action),
     /// A file to open that was open before.
     Recent(&'s Path),
+}
+
+impl Entry<'_> {
+    /// The line as a button, and what it says when pointed at.
+    fn show(
+        &self,
+        ui: &mut Ui,
+        state: &State,
+        keymap: &Keymap,
+        is_marked: bool,
+    ) -> (egui::Response, String) {
+        let quiet = theme::colors(ui).quiet;
+        let (name, beside, key, hint, lacks, applies) = match self {
+            Entry::Action(action) => (
+                action.name.to_owned(),
+                action.menu.name().to_owned(),
+                keymap.key(action),
+                action.does.to_owned(),
+                action.lacks,
+                (action.applies)(state),
+            ),
+            Entry::Recent(file) => {
+                let folder = file.parent().unwrap_or(file).display().to_string();
+                let hint = file.display().to_string();
+                (open_name(file), folder, String::new(), hint, "", true)
+            }
+        };
+        let beside = RichText::new(beside).color(quiet).small();
+        let button = Button::new((RichText::new(name), beside))
+            .selected(is_marked)
+            .frame_when_inactive(is_marked)
+            .right_text(RichText::new(key).color(quiet))
+            .truncate()
+            .min_size(vec2(ui.available_width(), 0.0));
+        (explained(ui.add_enabled(applies, button), lacks), hint)
+    }
 }
 
 /// The recent files whose names have all words of a text; none for an empty text.

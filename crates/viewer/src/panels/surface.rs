@@ -7,8 +7,8 @@ use crate::state::command::Command;
 use crate::ui::icons::Icon;
 use egui::Ui;
 use raycast_core::Cull;
-use raycast_core::scene::{Color, Object};
-use raycast_core::shade::{Filter, Shading, TextureProjection};
+use raycast_core::scene::{Color, Object, TextureProjection};
+use raycast_core::shade::{Filter, Shading};
 
 pub(super) fn show(ui: &mut Ui, state: &State, out: &mut Commands) {
     section(ui, (Icon::Spline, "Surface"), false, |ui| {

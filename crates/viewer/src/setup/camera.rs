@@ -1,7 +1,7 @@
 use crate::cli::{CameraArgs, StereoArg};
 use crate::failure::Failure;
 use raycast_core::camera::{
-    Camera, ImagePlane, Orbit, Panorama, Placement, PlaneRequest, Projection, Stereo, StereoKind,
+    Camera, ImagePlane, Orbit, Panorama, PlaneRequest, Pose, Projection, Stereo, StereoKind,
     fit_distance, frame_to_fov,
 };
 use raycast_core::formats::{CameraFile, ImageSettings};
@@ -14,7 +14,7 @@ pub const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 /// The requested camera, with defaults from the scene file, else one that has all of `bounds` in view.
 ///
 /// # Errors
-/// A placement without view direction or up direction; size, step and field of view out of range or inconsistent.
+/// A pose without view direction or up direction; size, step and field of view out of range or inconsistent.
 pub fn camera(
     args: &CameraArgs,
     file: Option<&CameraFile>,
@@ -28,15 +28,15 @@ pub fn camera(
     let (columns, rows) = args.size.unwrap_or(default_size);
     let (across, down) = request.pictures();
     let aspect = f64::from(columns * down) / f64::from(rows * across);
-    let placement = placement(args, file, bounds, |orbit| {
+    let pose = pose(args, file, bounds, |orbit| {
         fit_distance(bounds, orbit, projection, fov, aspect)
     });
-    placement.check()?;
-    let plane = request.plane(default_size, fov, &placement)?;
-    let distance = placement.eye.distance(placement.target);
+    pose.check()?;
+    let plane = request.plane(default_size, fov, &pose)?;
+    let distance = pose.eye.distance(pose.target);
     let stereo = stereo.map(|stereo| converging(stereo, projection, distance));
     check_stereo(stereo.as_ref(), projection, Some(plane))?;
-    let camera = Camera::new(placement, projection, plane);
+    let camera = Camera::new(pose, projection, plane);
     Ok(camera.shifted(request.shift).in_stereo(stereo))
 }
 
@@ -130,21 +130,19 @@ impl<'a> CameraRequest<'a> {
         Ok(fov.unwrap_or(self.projection.default_fov()))
     }
 
-    /// The image plane of a camera at `placement`.
+    /// The image plane of a camera at `pose`.
     fn plane(
         &self,
         default_size: (u32, u32),
         fov: f64,
-        placement: &Placement,
+        pose: &Pose,
     ) -> Result<ImagePlane, Failure> {
         let (args, projection) = (self.args, self.projection);
-        let distance = placement.eye.distance(placement.target);
+        let distance = pose.eye.distance(pose.target);
         let (_, down) = self.pictures();
         let frame_of = |fov| projection.frame(fov, distance) * f64::from(down);
-        let frame = self
-            .frame_of_file(placement)
-            .unwrap_or_else(|| frame_of(fov));
-        let request = match self.step_of_file(placement) {
+        let frame = self.frame_of_file(pose).unwrap_or_else(|| frame_of(fov));
+        let request = match self.step_of_file(pose) {
             Some(step) => PlaneRequest {
                 size: self.image.size,
                 step: Some(step),
@@ -168,21 +166,21 @@ impl<'a> CameraRequest<'a> {
     }
 
     /// An orthographic scene file's frame, if it is still valid: conversion to an angle and back would round it.
-    fn frame_of_file(&self, placement: &Placement) -> Option<f64> {
+    fn frame_of_file(&self, pose: &Pose) -> Option<f64> {
         let is_valid = |file: &&CameraFile| {
             file.projection == Projection::Orthographic
                 && self.projection == Projection::Orthographic
-                && *placement == file.placement
+                && *pose == file.pose
                 && self.args.fov.is_none()
         };
         self.file.filter(is_valid).map(|file| file.frame)
     }
 
     /// A scene file's step, if size and view are the file's.
-    fn step_of_file(&self, placement: &Placement) -> Option<f64> {
+    fn step_of_file(&self, pose: &Pose) -> Option<f64> {
         let args = self.args;
         let is_the_view =
-            |file: &CameraFile| (file.placement, file.projection) == (*placement, self.projection);
+            |file: &CameraFile| (file.pose, file.projection) == (*pose, self.projection);
         let is_the_size = |size| size == args.size.unwrap_or(size);
         let is_valid = args.step.is_none()
             && args.fov.is_none()
@@ -304,19 +302,19 @@ fn fov_of(file: &CameraFile) -> f64 {
     match file.projection {
         Projection::Perspective | Projection::Panoramic(_) => file.frame,
         Projection::Orthographic => {
-            let distance = file.placement.eye.distance(file.placement.target);
+            let distance = file.pose.eye.distance(file.pose.target);
             frame_to_fov(file.frame, distance)
         }
     }
 }
 
-/// The camera's placement; `fit` gives the distance from the pivot at which an orbit has everything in view.
-fn placement(
+/// The camera's pose; `fit` gives the distance from the pivot at which an orbit has everything in view.
+fn pose(
     args: &CameraArgs,
     file: Option<&CameraFile>,
     bounds: &Bounds,
     fit: impl Fn(&Orbit) -> f64,
-) -> Placement {
+) -> Pose {
     let orbit = |yaw: f64, pitch: f64, distance: Option<f64>| {
         let mut orbit = Orbit {
             pivot: args.target.unwrap_or(bounds.center()),
@@ -325,13 +323,13 @@ fn placement(
             distance: 1.0,
         };
         orbit.distance = distance.unwrap_or_else(|| fit(&orbit));
-        let placement = orbit.placement();
-        Placement {
-            up: args.up.unwrap_or(placement.up),
-            ..placement
+        let pose = orbit.pose();
+        Pose {
+            up: args.up.unwrap_or(pose.up),
+            ..pose
         }
     };
-    let file = file.map(|file| file.placement);
+    let file = file.map(|file| file.pose);
     if let Some(orbit_arg) = args.orbit {
         orbit(orbit_arg.yaw, orbit_arg.pitch, orbit_arg.distance)
     } else if let Some(eye) = args.eye.or(file.map(|file| file.eye)) {
@@ -339,8 +337,8 @@ fn placement(
             .target
             .or(file.map(|file| file.target))
             .unwrap_or(bounds.center());
-        let towards = Placement::towards(eye, target);
-        Placement {
+        let towards = Pose::towards(eye, target);
+        Pose {
             up: args.up.or(file.map(|file| file.up)).unwrap_or(towards.up),
             ..towards
         }
@@ -373,7 +371,7 @@ mod tests {
                 ..CameraArgs::default()
             });
             assert_eq!((camera.plane().columns, camera.plane().rows), DEFAULT_SIZE);
-            assert_eq!(camera.placement().target, UNIT.center());
+            assert_eq!(camera.pose().target, UNIT.center());
             for corner in UNIT.corners() {
                 let (x, y) = camera.project(corner).expect("in front");
                 assert!((0.0..=1280.0).contains(&x) && (0.0..=720.0).contains(&y));
@@ -425,15 +423,15 @@ mod tests {
             eye: Some(eye),
             ..CameraArgs::default()
         };
-        let placement = made(&args).placement();
-        assert_eq!((placement.eye, placement.target), (eye, UNIT.center()));
+        let pose = made(&args).pose();
+        assert_eq!((pose.eye, pose.target), (eye, UNIT.center()));
         let args = CameraArgs {
             target: Some(DVec3::X),
             up: Some(DVec3::Z),
             ..args
         };
-        let placement = made(&args).placement();
-        assert_eq!((placement.target, placement.up), (DVec3::X, DVec3::Z));
+        let pose = made(&args).pose();
+        assert_eq!((pose.target, pose.up), (DVec3::X, DVec3::Z));
     }
 
     #[test]
@@ -444,7 +442,7 @@ mod tests {
             ..CameraArgs::default()
         };
         // Up is not given, so it yields.
-        assert_eq!(made(&above).placement().up, DVec3::NEG_Z);
+        assert_eq!(made(&above).pose().up, DVec3::NEG_Z);
         let with_up = |up: DVec3| CameraArgs {
             up: Some(up),
             ..above.clone()
@@ -474,7 +472,7 @@ mod tests {
             }),
             ..CameraArgs::default()
         };
-        let eye = made(&args).placement().eye;
+        let eye = made(&args).pose().eye;
         assert!(
             eye.distance(UNIT.center() + DVec3::X * 4.0) < 1e-12,
             "{eye}"
@@ -484,7 +482,7 @@ mod tests {
     #[test]
     fn a_scene_file_gives_defaults_and_options_override_them() {
         let file = CameraFile {
-            placement: Placement {
+            pose: Pose {
                 eye: DVec3::new(0.0, 0.0, 8.0),
                 target: DVec3::ZERO,
                 up: DVec3::X,
@@ -498,7 +496,7 @@ mod tests {
         };
         let made = |args: &CameraArgs| camera(args, Some(&file), image, &UNIT).expect("a camera");
         let as_it_is = made(&CameraArgs::default());
-        assert_eq!(as_it_is.placement(), file.placement);
+        assert_eq!(as_it_is.pose(), file.pose);
         assert_eq!(as_it_is.plane().frame_height(), 3.0);
         assert_eq!((as_it_is.plane().columns, as_it_is.plane().rows), (30, 60));
 
@@ -514,7 +512,7 @@ mod tests {
             eye: Some(DVec3::new(0.0, 0.0, 4.0)),
             ..CameraArgs::default()
         });
-        assert_eq!(elsewhere.placement().target, DVec3::ZERO);
+        assert_eq!(elsewhere.pose().target, DVec3::ZERO);
         assert!((elsewhere.plane().frame_height() - 1.5).abs() < 1e-12);
     }
 
@@ -522,7 +520,7 @@ mod tests {
     fn a_scene_files_step_holds_for_its_own_size_and_view() {
         let step = 0.1 / 3.0;
         let file = |size: (u32, u32)| CameraFile {
-            placement: Placement {
+            pose: Pose {
                 eye: DVec3::new(0.0, 0.0, 8.0),
                 target: DVec3::ZERO,
                 up: DVec3::Y,

@@ -204,7 +204,7 @@ fn scale(args: &ShadingArgs, file: Option<ColorScale>) -> Option<ColorScale> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raycast_core::camera::Placement;
+    use raycast_core::camera::Pose;
     use raycast_core::glam::DVec3;
     use raycast_core::scene::{Mesh, Shape, Texture};
     use raycast_core::shade::EdgeKinds;
@@ -217,7 +217,7 @@ mod tests {
             objects: vec![object],
         };
         let camera = TextureProjectionArgs {
-            camera: Some(Placement::towards(DVec3::Z, DVec3::ZERO)),
+            camera: Some(Pose::towards(DVec3::Z, DVec3::ZERO)),
             ..TextureProjectionArgs::default()
         };
         let center = TextureProjectionArgs {

@@ -15,6 +15,7 @@ use raycast_core::camera::{Orbit, Projection};
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::picture::Recipe;
 use raycast_core::scene::{ClippingPlanes, Object, Scene};
+use raycast_core::shade::Shading;
 use std::sync::Arc;
 
 /// A scene with its file's camera and settings.
@@ -116,17 +117,7 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
         Some(meshes) => state.history.renew(&meshes),
         None => state.history = History::default(),
     }
-    state.inspection = Inspection::default();
-    state.hover = None;
-    state.picks = Default::default();
-    state.manipulating.drag = None;
-    state.naming = None;
-    state.selected = state.selected.filter(|_| keeps_all);
-    state.typed = None;
-    state.neighbor = 0;
-    state.question = None;
-    state.forget_pending();
-    state.motion = None;
+    end_session(state, keeps_all);
     state.forget_errors_of(paths.iter().chain(&opened));
     notes.into_iter().for_each(|note| state.tell(note));
     errors.into_iter().for_each(|error| state.report(error));
@@ -144,12 +135,35 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
         snaps: state.measuring.snaps,
         ..Measuring::default()
     };
+    take_settings(state, keep, shading, image);
+    state.settings.clip = clip;
+    take_view(state, keep, camera);
+    state.home = navigate::destination(state);
+    recipe
+}
+
+/// Ends what was going on in the scene before; the selected object stays where its list is the same.
+fn end_session(state: &mut State, keeps_selection: bool) {
+    state.inspection = Inspection::default();
+    state.hover = None;
+    state.picks = Default::default();
+    state.manipulating.drag = None;
+    state.naming = None;
+    state.selected = state.selected.filter(|_| keeps_selection);
+    state.typed = None;
+    state.neighbor = 0;
+    state.question = None;
+    state.forget_pending();
+    state.motion = None;
+}
+
+/// Takes a file's settings; what it does not say is as usual, or stays.
+fn take_settings(state: &mut State, keep: Keep, shading: Option<Shading>, image: ImageSettings) {
     match shading {
         Some(shading) => state.settings.shading = shading,
         None if keep == Keep::Nothing => state.settings = first_settings(),
         None => {}
     }
-    state.settings.clip = clip;
     if keep == Keep::Nothing {
         let settings = &mut state.settings;
         settings.cull = Default::default();
@@ -166,6 +180,10 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
     settings.cull = image.cull.unwrap_or(settings.cull);
     settings.precision = image.precision.unwrap_or(settings.precision);
     settings.pixel_filter = image.pixel_filter.unwrap_or(settings.pixel_filter);
+}
+
+/// Takes a file's camera, or fits the view.
+fn take_view(state: &mut State, keep: Keep, camera: Option<CameraFile>) {
     state.viewpoint = match camera {
         Some(camera) => Viewpoint::of(&camera),
         None => {
@@ -180,8 +198,6 @@ fn replace(state: &mut State, loaded: Loaded) -> Option<Box<Recipe>> {
             state.fitted(lens.turned_to(direction))
         }
     };
-    state.home = navigate::destination(state);
-    recipe
 }
 
 /// Carries the edits over to reloaded objects, if they are the same objects.
@@ -249,7 +265,7 @@ fn look_as(state: &mut State, recipe: &Recipe) {
             .unwrap_or(projection.default_fov()),
     };
     let camera = CameraFile {
-        placement: recipe.camera.placement(),
+        pose: recipe.camera.pose(),
         projection,
         frame,
     };

@@ -15,10 +15,10 @@ use raycast_core::Cull;
 use raycast_core::camera::{FrameLock, Grid, PixelFilter, Projection};
 use raycast_core::formats::LengthUnit;
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{ClippingPlane, Color, ColorRule, ColorScale, Shape, Transform};
-use raycast_core::shade::{
-    Background, EdgeKinds, Filter, Ground, LightSet, Mode, TextureProjection,
+use raycast_core::scene::{
+    ClippingPlane, Color, ColorRule, ColorScale, Shape, TextureProjection, Transform,
 };
+use raycast_core::shade::{Background, EdgeKinds, Filter, Ground, LightSet, Mode};
 use std::path::PathBuf;
 
 /// A command. Places are in pixels of the picture from its top left corner.
@@ -106,7 +106,7 @@ pub enum Command {
     /// Go to the camera that a text describes.
     PasteCamera(String),
     /// Look from a place at another, upright.
-    SetPlacement {
+    SetPose {
         /// The eye.
         eye: DVec3,
         /// The target.

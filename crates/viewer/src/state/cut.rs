@@ -35,7 +35,7 @@ pub(super) fn add(state: &mut State, by: PlaneBy) {
     };
     let towards_eye = match by {
         PlaneBy::View => 1.0,
-        _ => normal.dot(viewpoint.placement().eye - point),
+        _ => normal.dot(viewpoint.pose().eye - point),
     };
     let Ok(plane) = ClippingPlane::through(point, normal) else {
         return state.tell("These points lie on a line: no plane is through them alone");

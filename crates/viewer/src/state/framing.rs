@@ -66,7 +66,7 @@ impl State {
             // Zooming narrows the frame; the plane that rays start from stays in front of the scene.
             viewpoint.orbit.distance = viewpoint.orbit.distance.max(self.clear_distance());
         }
-        let camera = Camera::new(viewpoint.placement(), viewpoint.projection, plane);
+        let camera = Camera::new(viewpoint.pose(), viewpoint.projection, plane);
         Some(match self.can_shift() {
             true => camera.shifted(self.shift),
             false => camera,

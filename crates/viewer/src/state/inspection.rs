@@ -6,12 +6,12 @@ use raycast_core::scene::{Mesh, Scene};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The size of an object under one placement.
+/// The size of an object under one pose.
 #[derive(Clone, Debug)]
 pub struct Sized {
     /// The mesh that was measured.
     pub mesh: Arc<Mesh>,
-    /// Its placement when it was measured.
+    /// Its pose when it was measured.
     pub world_from_object: DAffine3,
     /// The box, the area and the volume.
     pub size: Size,
@@ -248,7 +248,7 @@ impl Inspection {
         }
     }
 
-    /// The size of a mesh under a placement, if that was measured last.
+    /// The size of a mesh under a pose, if that was measured last.
     pub fn size(&self, mesh: &Arc<Mesh>, world_from_object: &DAffine3) -> Option<&Size> {
         let sized = self.sized.as_ref()?;
         let is_it = Arc::ptr_eq(&sized.mesh, mesh) && sized.world_from_object == *world_from_object;

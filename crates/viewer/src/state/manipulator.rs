@@ -136,7 +136,7 @@ impl State {
         };
         let middle = bounds.center();
         let center = (scene.world_from_object(number).ok()?).transform_point3(middle);
-        let apart = center - camera.placement().eye;
+        let apart = center - camera.pose().eye;
         let (view, depth) = match camera.projection() {
             Projection::Orthographic => (camera.forward(), camera.distance()),
             Projection::Panoramic(panorama) if !matches!(panorama, Panorama::Lens(_)) => {

@@ -3,7 +3,7 @@
 use super::State;
 use super::motion::Motion;
 use super::viewpoint::{StandardView, Viewpoint};
-use raycast_core::camera::{Orbit, Placement, Projection, Ray};
+use raycast_core::camera::{Orbit, Pose, Projection, Ray};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 
@@ -79,12 +79,12 @@ pub(super) fn look_back(state: &mut State) {
 
 /// Looks from an eye at a target; does nothing where they coincide.
 pub(super) fn place(state: &mut State, eye: DVec3, target: DVec3) {
-    let placement = Placement::towards(eye, target);
-    if placement.check().is_ok() {
+    let pose = Pose::towards(eye, target);
+    if pose.check().is_ok() {
         leave(state);
         let here = state.viewpoint;
         state.viewpoint = Viewpoint {
-            orbit: Orbit::from_placement(&placement),
+            orbit: Orbit::from_placement(&pose),
             ..here
         };
     }
@@ -177,7 +177,7 @@ pub(super) fn grab(state: &mut State, at: (f64, f64)) {
     };
     state.grabbed_depth = match state.pick(at.0, at.1) {
         Some(pick) => {
-            let sight = pick.point - camera.placement().eye;
+            let sight = pick.point - camera.pose().eye;
             match camera.projection() {
                 Projection::Panoramic(_) => sight.length(),
                 _ => sight.dot(camera.forward()),
@@ -255,7 +255,7 @@ pub(super) fn set_pivot(state: &mut State, at: (f64, f64)) {
     state.viewpoint.orbit.pivot = pick.point;
     if !camera.projection().is_parallel() {
         // The eye keeps its depth from the point, so that it does not grow or shrink.
-        let depth = (pick.point - camera.placement().eye).dot(camera.forward());
+        let depth = (pick.point - camera.pose().eye).dot(camera.forward());
         if depth.is_normal() && depth > 0.0 {
             state.viewpoint.orbit.distance = depth;
         }

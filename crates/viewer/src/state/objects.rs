@@ -7,7 +7,7 @@ use super::history::Snapshot;
 use super::picks::Picks;
 use super::renumbering;
 use super::turn::{Turning, axis_in, turned};
-use raycast_core::camera::{DEFAULT_FOV, Placement};
+use raycast_core::camera::{DEFAULT_FOV, Pose};
 use raycast_core::glam::DVec3;
 use raycast_core::ranges;
 use raycast_core::scene::{Object, Photograph, Scene, Texture, Transform};
@@ -137,7 +137,7 @@ pub(super) fn take_photographs(
     } else {
         [0.0; 2]
     };
-    let Placement { eye, target, up } = viewpoint.placement();
+    let Pose { eye, target, up } = viewpoint.pose();
     let fov = ranges::fov(viewpoint.fov).unwrap_or(DEFAULT_FOV);
     let photograph = Photograph {
         eye,

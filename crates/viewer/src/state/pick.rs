@@ -99,7 +99,7 @@ impl State {
         let camera = self.camera()?;
         let along = match camera.projection().is_parallel() {
             true => camera.forward(),
-            false => pinned.pick.point - camera.placement().eye,
+            false => pinned.pick.point - camera.pose().eye,
         };
         match shading.back_faces {
             Some(color) if pinned.normal.dot(along) > 0.0 => Some(color),

@@ -14,8 +14,8 @@ use super::{
     plane, preferences, shapes,
 };
 use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
-use raycast_core::scene::UpAxis;
-use raycast_core::shade::{Mode, TextureProjection, Wireframe};
+use raycast_core::scene::{TextureProjection, UpAxis};
+use raycast_core::shade::{Mode, Wireframe};
 
 pub use super::names::suggested_name;
 
@@ -93,7 +93,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         Command::RemoveBookmark(number) => bookmarks::remove(state, number),
         Command::CopyCamera => return bookmarks::copy(state),
         Command::PasteCamera(text) => bookmarks::paste(state, &text),
-        Command::SetPlacement { eye, target } => navigate::place(state, eye, target),
+        Command::SetPose { eye, target } => navigate::place(state, eye, target),
 
         Command::SetStep(step) => plane::set_step(state, step),
         Command::ScaleStep(factor) => plane::scale_step(state, factor),

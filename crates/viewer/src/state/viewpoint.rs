@@ -1,7 +1,7 @@
 //! The viewpoint: where a scene is seen from.
 
 pub use raycast_core::camera::DEFAULT_FOV;
-use raycast_core::camera::{Orbit, Panorama, Placement, Projection, fov_to_frame, frame_to_fov};
+use raycast_core::camera::{Orbit, Panorama, Pose, Projection, fov_to_frame, frame_to_fov};
 use raycast_core::formats::CameraFile;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
@@ -83,8 +83,8 @@ impl Default for Viewpoint {
 impl Viewpoint {
     /// The viewpoint of a scene file's camera.
     pub fn of(camera: &CameraFile) -> Self {
-        let orbit = Orbit::from_placement(&camera.placement);
-        let up = camera.placement.up;
+        let orbit = Orbit::from_placement(&camera.pose);
+        let up = camera.pose.up;
         let roll = math::atan2(up.dot(orbit.right()), up.dot(orbit.up())).to_degrees();
         let fov = match camera.projection {
             Projection::Perspective | Projection::Panoramic(_) => camera.frame,
@@ -113,7 +113,7 @@ impl Viewpoint {
     /// The camera as scene files hold it.
     pub fn to_file(self) -> CameraFile {
         CameraFile {
-            placement: self.placement(),
+            pose: self.pose(),
             projection: self.projection,
             frame: match self.projection {
                 Projection::Perspective | Projection::Panoramic(_) => self.fov,
@@ -123,10 +123,10 @@ impl Viewpoint {
     }
 
     /// Eye, target and up.
-    pub fn placement(&self) -> Placement {
-        Placement {
+    pub fn pose(&self) -> Pose {
+        Pose {
             up: self.up(),
-            ..self.orbit.placement()
+            ..self.orbit.pose()
         }
     }
 
@@ -258,7 +258,7 @@ mod tests {
                 let fitted = start.fitted(center, 2.0, support);
                 let step = fitted.frame_height() / 100.0;
                 let plane = ImagePlane::new(200, 100, step).expect("a good plane");
-                let camera = Camera::new(fitted.placement(), projection, plane);
+                let camera = Camera::new(fitted.pose(), projection, plane);
                 let mut box_ = (f64::MAX, f64::MIN, f64::MAX, f64::MIN);
                 for &point in &points {
                     let (x, y) = camera.project(point).expect("in front");
@@ -297,7 +297,7 @@ mod tests {
     fn a_scene_files_camera_comes_back_as_it_was() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let camera = CameraFile {
-                placement: Placement {
+                pose: Pose {
                     eye: DVec3::new(3.0, 2.0, 5.0),
                     target: DVec3::new(0.5, 0.0, 0.0),
                     up: DVec3::new(0.3, 1.0, 0.0),
@@ -307,12 +307,12 @@ mod tests {
             };
             let file = Viewpoint::of(&camera).to_file();
             assert!((file.frame - 25.0).abs() < 1e-9, "{file:?}");
-            let sight = |p: &Placement| (p.eye - p.target).normalize();
-            assert!(sight(&file.placement).distance(sight(&camera.placement)) < 1e-12);
+            let sight = |p: &Pose| (p.eye - p.target).normalize();
+            assert!(sight(&file.pose).distance(sight(&camera.pose)) < 1e-12);
             // The part of the given up that lies across the view.
-            let back = sight(&camera.placement);
-            let across = camera.placement.up - back * camera.placement.up.dot(back);
-            assert!(file.placement.up.distance(across.normalize()) < 1e-9);
+            let back = sight(&camera.pose);
+            let across = camera.pose.up - back * camera.pose.up.dot(back);
+            assert!(file.pose.up.distance(across.normalize()) < 1e-9);
         }
     }
 

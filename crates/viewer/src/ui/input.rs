@@ -97,21 +97,7 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     let mut is_letter = false;
     let mut commands = context.input(|input| {
         let mut commands = Vec::new();
-        let free = !input.modifiers.any() || input.modifiers.shift_only();
-        let pace = if input.modifiers.shift { FASTER } else { 1.0 };
-        let down = |key| match walks && free && input.key_down(key) {
-            true => pace,
-            false => 0.0,
-        };
-        let [right, up, forward] = WALKING.map(|(more, less)| down(more) - down(less));
-        if [right, up, forward] != [0.0; 3] {
-            // Limits the step after a delayed frame, so that one does not pass through a wall.
-            let seconds = f64::from(input.stable_dt.min(0.1));
-            steps = Some(Command::Walk {
-                way: DVec3::new(right, up, forward),
-                seconds,
-            });
-        }
+        steps = walks.then(|| step_of(input)).flatten();
         for event in &input.events {
             match event {
                 egui::Event::Copy if !typing => commands.push(Command::CopyCamera),
@@ -175,6 +161,19 @@ pub fn keys(context: &egui::Context, state: &State) -> Vec<Command> {
     }
     commands.extend(steps);
     commands
+}
+
+/// The step of the walking keys that are held.
+fn step_of(input: &egui::InputState) -> Option<Command> {
+    if input.modifiers.any() && !input.modifiers.shift_only() {
+        return None;
+    }
+    let pace = if input.modifiers.shift { FASTER } else { 1.0 };
+    let down = |key| if input.key_down(key) { pace } else { 0.0 };
+    let way = DVec3::from_array(WALKING.map(|(more, less)| down(more) - down(less)));
+    // Limits the step after a delayed frame, so that one does not pass through a wall.
+    let seconds = f64::from(input.stable_dt.min(0.1));
+    (way != DVec3::ZERO).then_some(Command::Walk { way, seconds })
 }
 
 /// How much faster Shift walks: as running is to walking.

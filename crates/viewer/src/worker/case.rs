@@ -14,7 +14,7 @@ pub fn scene(name: &str) -> Option<SceneFile> {
         object.color = ColorRule::PerTriangle { seed: 1 };
     }
     let camera = setting.cameras.first().map(|camera| CameraFile {
-        placement: camera.placement(),
+        pose: camera.pose(),
         projection: camera.projection(),
         frame: camera
             .fov_degrees()

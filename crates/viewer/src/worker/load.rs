@@ -275,8 +275,8 @@ impl Load<'_> {
 /// An error of reading, for people.
 fn message(error: &FormatError) -> String {
     match error {
-        FormatError::Io { place, source } if source.kind() == ErrorKind::NotFound => {
-            format!("{place}: there is no such file")
+        FormatError::Io { position, source } if source.kind() == ErrorKind::NotFound => {
+            format!("{position}: there is no such file")
         }
         _ => error.to_string(),
     }

@@ -61,7 +61,7 @@ fn with_ctrl_the_wheel_goes_through_what_is_under_the_cursor_and_without_it_does
             harness.event(wheel(modifiers));
             harness.run();
         }
-        harness.state().state.viewpoint.placement().eye.z < 0.0
+        harness.state().state.viewpoint.pose().eye.z < 0.0
     };
     assert!(behind(Modifiers::COMMAND | Modifiers::CTRL));
     assert!(!behind(Modifiers::NONE));

@@ -1,6 +1,6 @@
 //! A glTF file's bytes: buffers, buffer views, and accessors.
 
-use super::json::{Accessor, Root};
+use super::json::{Accessor, Root, Sparse};
 use crate::formats::Progress;
 use crate::formats::error::{FormatError, quote};
 use crate::formats::files::{Contents, Files, NamedBy, beside};
@@ -69,8 +69,8 @@ impl<'d> Data<'d> {
     }
 
     /// An error at a position in the JSON.
-    pub(super) fn fault(&self, place: &str, expected: &str, found: &str) -> FormatError {
-        let reason = format!("{place}: expected {expected}, found {found}");
+    pub(super) fn fault(&self, location: &str, expected: &str, found: &str) -> FormatError {
+        let reason = format!("{location}: expected {expected}, found {found}");
         FormatError::refused(self.path, None, &reason)
     }
 
@@ -79,27 +79,27 @@ impl<'d> Data<'d> {
         &self,
         list: &'l [T],
         index: u32,
-        place: &str,
+        location: &str,
         what: &str,
     ) -> Result<&'l T, FormatError> {
         list.get(index as usize).ok_or_else(|| {
             let found = no_such(index, list.len(), what);
-            self.fault(place, &format!("one of the file's {what}"), &found)
+            self.fault(location, &format!("one of the file's {what}"), &found)
         })
     }
 
     /// The bytes of a URI: embedded, or of a file beside this one.
-    pub(super) fn resource(&self, place: &str, uri: &str) -> Result<Bytes<'d>, FormatError> {
+    pub(super) fn resource(&self, location: &str, uri: &str) -> Result<Bytes<'d>, FormatError> {
         let budget = self.files.budget();
         if let Some(data) = uri.strip_prefix("data:") {
             let Some((kind, data)) = data.split_once(',') else {
-                return Err(self.fault(place, "`,` in a data URI", &quote(data)));
+                return Err(self.fault(location, "`,` in a data URI", &quote(data)));
             };
             let share = budget.share(self.path, "a data URI", data.len() as u64)?;
             let bytes = if kind.ends_with(";base64") {
                 BASE64
                     .decode(data)
-                    .map_err(|error| self.fault(place, "base64", &error.to_string()))?
+                    .map_err(|error| self.fault(location, "base64", &error.to_string()))?
             } else {
                 percent_decode_str(data).collect()
             };
@@ -110,7 +110,7 @@ impl<'d> Data<'d> {
         }
         if uri.contains("://") {
             let found = format!("{}, which is not fetched", quote(uri));
-            return Err(self.fault(place, "a file", &found));
+            return Err(self.fault(location, "a file", &found));
         }
         let path = self.path_of(uri);
         let none: Progress<'_> = &|_| ();
@@ -135,19 +135,19 @@ impl<'d> Data<'d> {
     }
 
     /// A buffer's bytes.
-    fn buffer(&self, index: u32, place: &str) -> Result<&[u8], FormatError> {
-        let buffer = self.one(&self.root.buffers, index, place, "buffers")?;
-        let place = format!("buffers[{index}]");
-        let cell = self.one(&self.buffers, index, &place, "buffers")?;
+    fn buffer(&self, index: u32, location: &str) -> Result<&[u8], FormatError> {
+        let buffer = self.one(&self.root.buffers, index, location, "buffers")?;
+        let location = format!("buffers[{index}]");
+        let cell = self.one(&self.buffers, index, &location, "buffers")?;
         if cell.get().is_none() {
             let bytes = match (&*buffer.uri, self.binary) {
                 ("", Some(binary)) if index == 0 => Bytes::Binary(binary),
                 ("", _) => {
-                    return Err(self.fault(&place, "a URI, or a GLB's binary chunk", "none"));
+                    return Err(self.fault(&location, "a URI, or a GLB's binary chunk", "none"));
                 }
-                (uri, _) => self.resource(&place, uri).map_err(|error| match error {
+                (uri, _) => self.resource(&location, uri).map_err(|error| match error {
                     FormatError::Io { .. } => {
-                        let reason = format!("{place}: {error}");
+                        let reason = format!("{location}: {error}");
                         FormatError::refused(self.path, None, &reason)
                     }
                     error => error,
@@ -161,7 +161,7 @@ impl<'d> Data<'d> {
             Ok(length) if length <= bytes.len() => Ok(&bytes[..length]),
             _ => {
                 let expected = format!("{} bytes", buffer.byte_length);
-                Err(self.fault(&place, &expected, &bytes.len().to_string()))
+                Err(self.fault(&location, &expected, &bytes.len().to_string()))
             }
         }
     }
@@ -170,15 +170,15 @@ impl<'d> Data<'d> {
     pub(super) fn view(
         &self,
         index: u32,
-        place: &str,
+        location: &str,
     ) -> Result<(&[u8], Option<u64>), FormatError> {
-        let view = self.one(&self.root.buffer_views, index, place, "buffer views")?;
-        let place = format!("bufferViews[{index}]");
-        let buffer = self.buffer(view.buffer, &place)?;
+        let view = self.one(&self.root.buffer_views, index, location, "buffer views")?;
+        let location = format!("bufferViews[{index}]");
+        let buffer = self.buffer(view.buffer, &location)?;
         let bytes = part(buffer, view.byte_offset, view.byte_length).ok_or_else(|| {
             let expected = format!("a part of the buffer's {} bytes", buffer.len());
             let found = format!("{} from {}", view.byte_length, view.byte_offset);
-            self.fault(&place, &expected, &found)
+            self.fault(&location, &expected, &found)
         })?;
         Ok((bytes, view.byte_stride))
     }
@@ -187,11 +187,11 @@ impl<'d> Data<'d> {
     pub(super) fn accessor(
         &self,
         index: u32,
-        place: &str,
+        location: &str,
         shapes: &[&str],
     ) -> Result<Numbers<'_>, FormatError> {
-        let accessor = self.one(&self.root.accessors, index, place, "accessors")?;
-        let place = format!("accessors[{index}]");
+        let accessor = self.one(&self.root.accessors, index, location, "accessors")?;
+        let location = format!("accessors[{index}]");
         let Accessor {
             component_type,
             normalized,
@@ -199,9 +199,9 @@ impl<'d> Data<'d> {
             ..
         } = *accessor;
         if !shapes.contains(&&*accessor.shape) {
-            return Err(self.fault(&place, &shapes.join(" or "), &quote(&accessor.shape)));
+            return Err(self.fault(&location, &shapes.join(" or "), &quote(&accessor.shape)));
         }
-        let component = self.component(component_type, &place)?;
+        let component = self.component(component_type, &location)?;
         let width = match &*accessor.shape {
             "SCALAR" => 1,
             "VEC2" => 2,
@@ -211,63 +211,23 @@ impl<'d> Data<'d> {
         let size = component.size() * width;
         let (bytes, stride) = match accessor.buffer_view {
             Some(view) => {
-                let (bytes, stride) = self.view(view, &place)?;
+                let (bytes, stride) = self.view(view, &location)?;
                 let stride = stride.unwrap_or(size as u64);
                 if stride < size as u64 {
                     let expected = format!("a stride of {size} bytes or more");
-                    return Err(self.fault(&place, &expected, &stride.to_string()));
+                    return Err(self.fault(&location, &expected, &stride.to_string()));
                 }
-                (
-                    self.elements(&place, bytes, accessor.byte_offset, (count, stride, size))?,
-                    stride,
-                )
+                let strided = (count, stride, size);
+                let bytes = self.elements(&location, bytes, accessor.byte_offset, strided)?;
+                (bytes, stride)
             }
-            // An accessor of zeros takes no bytes in the file, so its count is limited to the file's length.
             None => {
-                let mut most = 0;
-                for buffer in 0..self.buffers.len() as u32 {
-                    most += self.buffer(buffer, &place)?.len() as u64;
-                }
-                if count > most {
-                    let expected =
-                        format!("at most {most} elements, one for each byte of the buffers");
-                    return Err(self.fault(&place, &expected, &count.to_string()));
-                }
+                self.check_zeros(&location, count)?;
                 (&[][..], 0)
             }
         };
-        let sparse = match &accessor.sparse {
-            None => None,
-            Some(sparse) => {
-                let part = format!("{place}.sparse");
-                if sparse.count > count {
-                    let expected = format!("at most {count} elements");
-                    return Err(self.fault(&part, &expected, &sparse.count.to_string()));
-                }
-                let indices = &sparse.indices;
-                let kind = self.component(indices.component_type, &part)?;
-                let bytes = self.view(indices.buffer_view, &part)?.0;
-                let packed = (sparse.count, kind.size() as u64, kind.size());
-                let places = Numbers {
-                    bytes: self.elements(&part, bytes, indices.byte_offset, packed)?,
-                    stride: kind.size(),
-                    component: kind,
-                    normalized: false,
-                    count: sparse.count as usize,
-                    width: 1,
-                    sparse: None,
-                };
-                let places = self.indices(&places, &part)?;
-                if let Some(&outside) = places.iter().find(|&&at| u64::from(at) >= count) {
-                    let expected = format!("indices below {count}");
-                    return Err(self.fault(&part, &expected, &outside.to_string()));
-                }
-                let bytes = self.view(sparse.values.buffer_view, &part)?.0;
-                let packed = (sparse.count, size as u64, size);
-                let values = self.elements(&part, bytes, sparse.values.byte_offset, packed)?;
-                Some((places, values))
-            }
-        };
+        let sparse = accessor.sparse.as_ref();
+        let sparse = sparse.map(|sparse| self.sparse(sparse, &location, (count, size)));
         Ok(Numbers {
             bytes,
             stride: stride as usize,
@@ -275,14 +235,63 @@ impl<'d> Data<'d> {
             normalized,
             count: count as usize,
             width,
-            sparse,
+            sparse: sparse.transpose()?,
         })
+    }
+
+    /// Limits the count of an accessor of zeros, which takes no bytes in the file, to the length of the file's buffers.
+    fn check_zeros(&self, location: &str, count: u64) -> Result<(), FormatError> {
+        let mut most = 0;
+        for buffer in 0..self.buffers.len() as u32 {
+            most += self.buffer(buffer, location)?.len() as u64;
+        }
+        if count <= most {
+            return Ok(());
+        }
+        let expected = format!("at most {most} elements, one for each byte of the buffers");
+        Err(self.fault(location, &expected, &count.to_string()))
+    }
+
+    /// The elements, of `count` of `size` bytes each, that have other values: their indices, and the bytes of the values.
+    fn sparse(
+        &self,
+        sparse: &Sparse,
+        location: &str,
+        (count, size): (u64, usize),
+    ) -> Result<(Vec<u32>, &[u8]), FormatError> {
+        let location = format!("{location}.sparse");
+        if sparse.count > count {
+            let expected = format!("at most {count} elements");
+            return Err(self.fault(&location, &expected, &sparse.count.to_string()));
+        }
+        let indices = &sparse.indices;
+        let kind = self.component(indices.component_type, &location)?;
+        let bytes = self.view(indices.buffer_view, &location)?.0;
+        let packed = (sparse.count, kind.size() as u64, kind.size());
+        let at = Numbers {
+            bytes: self.elements(&location, bytes, indices.byte_offset, packed)?,
+            stride: kind.size(),
+            component: kind,
+            normalized: false,
+            count: sparse.count as usize,
+            width: 1,
+            sparse: None,
+        };
+        let at = self.indices(&at, &location)?;
+        if let Some(&outside) = at.iter().find(|&&at| u64::from(at) >= count) {
+            let expected = format!("indices below {count}");
+            return Err(self.fault(&location, &expected, &outside.to_string()));
+        }
+        let bytes = self.view(sparse.values.buffer_view, &location)?.0;
+        let packed = (sparse.count, size as u64, size);
+        let values = self.elements(&location, bytes, sparse.values.byte_offset, packed)?;
+        Ok((at, values))
     }
 
     /// The bytes of `count` elements of `size` bytes, `stride` apart.
     fn elements<'b>(
         &self,
-        place: &str,
+        location: &str,
         bytes: &'b [u8],
         offset: u64,
         (count, stride, size): (u64, u64, usize),
@@ -298,11 +307,11 @@ impl<'d> Data<'d> {
             .ok_or_else(|| {
                 let expected = format!("{count} elements {stride} bytes apart, from byte {offset}");
                 let found = format!("a view of {} bytes", bytes.len());
-                self.fault(place, &expected, &found)
+                self.fault(location, &expected, &found)
             })
     }
 
-    fn component(&self, number: u32, place: &str) -> Result<Component, FormatError> {
+    fn component(&self, number: u32, location: &str) -> Result<Component, FormatError> {
         Ok(match number {
             5120 => Component::I8,
             5121 => Component::U8,
@@ -312,7 +321,7 @@ impl<'d> Data<'d> {
             5126 => Component::F32,
             other => {
                 let expected = "a component type (5120 to 5123, 5125 or 5126)";
-                return Err(self.fault(place, expected, &other.to_string()));
+                return Err(self.fault(location, expected, &other.to_string()));
             }
         })
     }
@@ -321,14 +330,14 @@ impl<'d> Data<'d> {
     pub(super) fn indices(
         &self,
         numbers: &Numbers<'_>,
-        place: &str,
+        location: &str,
     ) -> Result<Vec<u32>, FormatError> {
         if !matches!(
             numbers.component,
             Component::U8 | Component::U16 | Component::U32
         ) {
             let found = "signed ones or fractions";
-            return Err(self.fault(place, "unsigned numbers", found));
+            return Err(self.fault(location, "unsigned numbers", found));
         }
         Ok(numbers.values([0.0], |[index]| index as u32))
     }
@@ -422,10 +431,10 @@ impl Numbers<'_> {
             let at = |index: usize| &self.bytes[index * self.stride..];
             (0..self.count).map(|index| element(at(index))).collect()
         };
-        if let Some((places, replaced)) = &self.sparse {
+        if let Some((at, replaced)) = &self.sparse {
             let replaced = replaced.chunks_exact(size * self.width);
-            for (&place, bytes) in places.iter().zip(replaced) {
-                if let Some(value) = values.get_mut(place as usize) {
+            for (&location, bytes) in at.iter().zip(replaced) {
+                if let Some(value) = values.get_mut(location as usize) {
                     *value = element(bytes);
                 }
             }

@@ -262,8 +262,8 @@ pub(super) fn parse<'t, 'b>(
     let root = serde_json::from_slice(text).map_err(|error| {
         let (line, column) = (error.line(), error.column());
         let message = error.to_string();
-        let place = format!(" at line {line} column {column}");
-        let message = shorten(message.strip_suffix(&place).unwrap_or(&message));
+        let location = format!(" at line {line} column {column}");
+        let message = shorten(message.strip_suffix(&location).unwrap_or(&message));
         if is_binary {
             let reason = format!("its JSON: {message} (line {line}, column {column})");
             FormatError::refused(path, None, &reason)

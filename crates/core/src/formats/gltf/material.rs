@@ -61,9 +61,9 @@ impl<'m, 'd> Materials<'m, 'd> {
     }
 
     /// A material's base colour.
-    pub(super) fn base(&self, index: u32, place: &str) -> Result<Base<'d>, FormatError> {
+    pub(super) fn base(&self, index: u32, location: &str) -> Result<Base<'d>, FormatError> {
         let list: &'d [MaterialJson] = &self.data.root.materials;
-        let material = self.data.one(list, index, place, "materials")?;
+        let material = self.data.one(list, index, location, "materials")?;
         let other = material.extensions.specular_glossiness.as_ref();
         let pbr = &material.pbr_metallic_roughness;
         let (factor, texture, rough) = match other {
@@ -87,7 +87,7 @@ impl<'m, 'd> Materials<'m, 'd> {
         json: &'d MaterialJson,
         base: Base<'d>,
         has_coordinates: bool,
-        place: &str,
+        location: &str,
     ) -> Result<Reflectance, FormatError> {
         let mut image = |info: &'d Option<TextureInfo>, what| {
             let Some(info) = info.as_ref() else {
@@ -101,7 +101,7 @@ impl<'m, 'd> Materials<'m, 'd> {
                 *self.unused.entry(what).or_default() += 1;
                 return Ok(None);
             }
-            let Some((image, key)) = self.find_image(info, place)? else {
+            let Some((image, key)) = self.find_image(info, location)? else {
                 return Ok(None);
             };
             self.tinted(image, key, WHITE)
@@ -145,14 +145,14 @@ impl<'m, 'd> Materials<'m, 'd> {
         has_coordinates: bool,
         by_vertex: bool,
     ) -> Result<Material, FormatError> {
-        let place = format!("materials[{index}]");
-        let base = self.base(index, &place)?;
+        let location = format!("materials[{index}]");
+        let base = self.base(index, &location)?;
         let data = self.data;
         let list: &'d [MaterialJson] = &data.root.materials;
-        let json = data.one(list, index, &place, "materials")?;
+        let json = data.one(list, index, &location, "materials")?;
         self.count_unused(index, json);
         let image = match base.texture {
-            Some(info) if has_coordinates => self.find_image(info, &place)?,
+            Some(info) if has_coordinates => self.find_image(info, &location)?,
             _ => None,
         };
         let opacity = opacity(json, base.factor, image.as_ref().map(|(image, _)| image));
@@ -160,7 +160,7 @@ impl<'m, 'd> Materials<'m, 'd> {
             Some((image, key)) => self.tinted(image, key, base.factor)?,
             None => None,
         };
-        let reflectance = self.reflectance(json, base, has_coordinates, &place)?;
+        let reflectance = self.reflectance(json, base, has_coordinates, &location)?;
         let name = json.name.clone();
         Ok(Material {
             texture,
@@ -208,23 +208,23 @@ impl<'m, 'd> Materials<'m, 'd> {
     fn find_image(
         &mut self,
         info: &TextureInfo,
-        place: &str,
+        location: &str,
     ) -> Result<Option<(Arc<Texture>, ImageKey)>, FormatError> {
         let root = self.data.root;
         let json = self
             .data
-            .one(&root.textures, info.index, place, "textures")?;
-        let place = format!("textures[{}]", info.index);
+            .one(&root.textures, info.index, location, "textures")?;
+        let location = format!("textures[{}]", info.index);
         let Some(source) = json.source else {
             let path = quote::path(self.data.path);
-            let warning = format!("{path}: {place}: its image is of a kind that is not read");
+            let warning = format!("{path}: {location}: its image is of a kind that is not read");
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
             return Ok(None);
         };
-        self.data.one(&root.images, source, &place, "images")?;
-        let wrap = self.wrap(json.sampler, &place)?;
+        self.data.one(&root.images, source, &location, "images")?;
+        let wrap = self.wrap(json.sampler, &location)?;
         let image = match self.images.get(&(source, wrap)) {
             Some(image) => image.clone(),
             None => {
@@ -275,12 +275,12 @@ impl<'m, 'd> Materials<'m, 'd> {
     }
 
     /// The wrapping of a sampler, by OpenGL's numbers; repeating by default.
-    fn wrap(&mut self, sampler: Option<u32>, place: &str) -> Result<[Wrap; 2], FormatError> {
+    fn wrap(&mut self, sampler: Option<u32>, location: &str) -> Result<[Wrap; 2], FormatError> {
         let Some(index) = sampler else {
             return Ok([Wrap::Repeat; 2]);
         };
         let data = self.data;
-        let sampler = data.one(&data.root.samplers, index, place, "samplers")?;
+        let sampler = data.one(&data.root.samplers, index, location, "samplers")?;
         let mut wrap = |number: Option<u32>| match number {
             None | Some(10497) => Wrap::Repeat,
             Some(33071) => Wrap::Clamp,
@@ -303,24 +303,27 @@ impl<'m, 'd> Materials<'m, 'd> {
     /// An image, or one line that says why it cannot be read.
     fn image(&self, index: u32) -> Result<Texture, String> {
         let data = self.data;
-        let place = format!("images[{index}]");
+        let location = format!("images[{index}]");
         let budget = data.files.budget();
         let decode = |bytes: &[u8]| {
-            texture::decode(data.path, bytes, budget)
-                .map_err(|error| format!("{}: {place}: {}", quote::path(data.path), error.reason()))
+            texture::decode(data.path, bytes, budget).map_err(|error| {
+                format!("{}: {location}: {}", quote::path(data.path), error.reason())
+            })
         };
         let Some(image) = data.root.images.get(index as usize) else {
             return Err(format!(
-                "{}: {place}: there is none",
+                "{}: {location}: there is none",
                 quote::path(data.path)
             ));
         };
         if let Some(view) = image.buffer_view {
-            let (bytes, _) = data.view(view, &place).map_err(|error| error.to_string())?;
+            let (bytes, _) = data
+                .view(view, &location)
+                .map_err(|error| error.to_string())?;
             return decode(bytes);
         }
         let resource = data
-            .resource(&place, &image.uri)
+            .resource(&location, &image.uri)
             .map_err(|error| error.to_string())?;
         match &resource {
             Bytes::File(bytes, path) => {

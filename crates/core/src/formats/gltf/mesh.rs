@@ -56,7 +56,7 @@ pub(super) fn read<'d>(
     index: u32,
     skipped: &mut Skipped,
 ) -> Result<MeshData, FormatError> {
-    let place = format!("meshes[{index}]");
+    let location = format!("meshes[{index}]");
     let json = data.one(&data.root.meshes, index, "nodes", "meshes")?;
     let mut builder = Builder {
         data,
@@ -69,7 +69,11 @@ pub(super) fn read<'d>(
         numbers: HashMap::new(),
     };
     for (number, primitive) in json.primitives.iter().enumerate() {
-        builder.add(&format!("{place}.primitives[{number}]"), primitive, skipped)?;
+        builder.add(
+            &format!("{location}.primitives[{number}]"),
+            primitive,
+            skipped,
+        )?;
     }
     let has_morphs = json.primitives.iter().any(|p| !p.targets.is_empty());
     skipped.morphs += usize::from(has_morphs);
@@ -79,7 +83,7 @@ pub(super) fn read<'d>(
 impl Builder<'_, '_, '_> {
     fn add(
         &mut self,
-        place: &str,
+        location: &str,
         primitive: &Primitive,
         skipped: &mut Skipped,
     ) -> Result<(), FormatError> {
@@ -91,14 +95,14 @@ impl Builder<'_, '_, '_> {
                 return Ok(());
             }
             4..=6 => {}
-            other => return Err(data.fault(place, "a mode from 0 to 6", &other.to_string())),
+            other => return Err(data.fault(location, "a mode from 0 to 6", &other.to_string())),
         }
         let Some(&positions) = primitive.attributes.get("POSITION") else {
             skipped.empty += 1;
             return Ok(());
         };
         let base = match primitive.material {
-            Some(material) => Some(self.materials.base(material, place)?),
+            Some(material) => Some(self.materials.base(material, location)?),
             None => None,
         };
         let named = |name: &str| primitive.attributes.get(name).copied();
@@ -112,7 +116,7 @@ impl Builder<'_, '_, '_> {
         );
         let colors = named("COLOR_0");
         let (first, count) = self.vertices(
-            place,
+            location,
             positions,
             named("NORMAL"),
             coordinates,
@@ -121,7 +125,7 @@ impl Builder<'_, '_, '_> {
         )?;
         let corners = match primitive.indices {
             None => (0..count).collect(),
-            Some(index) => self.corners(place, index, count)?,
+            Some(index) => self.corners(location, index, count)?,
         };
         let triangles = match mode {
             4 => corners.len() / 3,
@@ -139,13 +143,25 @@ impl Builder<'_, '_, '_> {
         }
         self.count(all)?;
         self.mesh.triangles.reserve_exact(triangles);
+        self.append(mode, first, &corners);
+        let material = match primitive.material {
+            None => NONE,
+            Some(material) => self.material(material, coordinates.is_some(), colors.is_some())?,
+        };
+        self.mesh.material_of_triangle.resize(all, material);
+        Ok(())
+    }
+
+    /// Appends the triangles of a list (4), a strip (5) or a fan (6) of corners, numbered from `first`.
+    fn append(&mut self, mode: u32, first: u32, corners: &[u32]) {
         let triangle = |[a, b, c]: [u32; 3]| [first + a, first + b, first + c];
+        let triangles = &mut self.mesh.triangles;
         match mode {
             4 => {
                 let whole = corners
                     .chunks_exact(3)
                     .map(|c| triangle([c[0], c[1], c[2]]));
-                self.mesh.triangles.extend(whole);
+                triangles.extend(whole);
             }
             5 => {
                 // Every second triangle is reversed, so that all have one orientation.
@@ -153,20 +169,14 @@ impl Builder<'_, '_, '_> {
                     0 => triangle([c[0], c[1], c[2]]),
                     _ => triangle([c[0], c[2], c[1]]),
                 });
-                self.mesh.triangles.extend(strip);
+                triangles.extend(strip);
             }
             _ => {
                 let fan = corners.get(1..).unwrap_or_default().windows(2);
                 let fan = fan.map(|c| triangle([c[0], c[1], corners[0]]));
-                self.mesh.triangles.extend(fan);
+                triangles.extend(fan);
             }
         }
-        let material = match primitive.material {
-            None => NONE,
-            Some(material) => self.material(material, coordinates.is_some(), colors.is_some())?,
-        };
-        self.mesh.material_of_triangle.resize(all, material);
-        Ok(())
     }
 
     /// Counts the lists' memory against the budget, as it will be with so many more triangles.
@@ -182,7 +192,7 @@ impl Builder<'_, '_, '_> {
     /// The first vertex of a primitive, and the number of its vertices.
     fn vertices(
         &mut self,
-        place: &str,
+        location: &str,
         positions: u32,
         normals: Option<u32>,
         uvs: Option<(u32, Coordinates)>,
@@ -190,7 +200,7 @@ impl Builder<'_, '_, '_> {
         (base, scalars): (Option<Base<'_>>, Vec<(String, u32)>),
     ) -> Result<(u32, u32), FormatError> {
         let data = self.data;
-        let found = data.accessor(positions, place, &["VEC3"])?;
+        let found = data.accessor(positions, location, &["VEC3"])?;
         // An image contains the factor already, and is multiplied by vertex colours.
         let untextured = base.filter(|base| base.texture.is_none() || uvs.is_none());
         let [r, g, b, _] = untextured.map_or([1.0; 4], |base| base.factor);
@@ -209,7 +219,7 @@ impl Builder<'_, '_, '_> {
         let all = first as u64 + count as u64;
         if all >= u64::from(NONE) {
             let expected = format!("fewer than {NONE} vertices in a mesh");
-            return Err(data.fault(place, &expected, &all.to_string()));
+            return Err(data.fault(location, &expected, &all.to_string()));
         }
         let vertex = 2 * (size_of::<DVec3>() + size_of::<Vec3>() + size_of::<Vec2>() + 8)
             + (self.mesh.scalars.len() + key.scalars.len()) * size_of::<f32>();
@@ -218,11 +228,11 @@ impl Builder<'_, '_, '_> {
         let scalars = key.scalars.clone();
         self.firsts.insert(key, first as u32);
         let other = |index: u32, name: &str, shapes: &[&str]| {
-            let place = format!("{place}.attributes.{name}");
-            let numbers = data.accessor(index, &place, shapes)?;
+            let location = format!("{location}.attributes.{name}");
+            let numbers = data.accessor(index, &location, shapes)?;
             if numbers.count != count {
                 let expected = format!("as many as positions, {count}");
-                return Err(data.fault(&place, &expected, &numbers.count.to_string()));
+                return Err(data.fault(&location, &expected, &numbers.count.to_string()));
             }
             Ok(numbers)
         };
@@ -282,22 +292,22 @@ impl Builder<'_, '_, '_> {
     }
 
     /// A primitive's indices, checked against the number of vertices.
-    fn corners(&self, place: &str, index: u32, count: u32) -> Result<Vec<u32>, FormatError> {
+    fn corners(&self, location: &str, index: u32, count: u32) -> Result<Vec<u32>, FormatError> {
         let data = self.data;
-        let place = format!("{place}.indices");
-        let numbers = data.accessor(index, &place, &["SCALAR"])?;
+        let location = format!("{location}.indices");
+        let numbers = data.accessor(index, &location, &["SCALAR"])?;
         let bytes = numbers.count * size_of::<u32>();
         let _share = data
             .files
             .budget()
             .share(data.path, "the indices", bytes as u64)?;
-        let corners = data.indices(&numbers, &place)?;
+        let corners = data.indices(&numbers, &location)?;
         match corners.iter().position(|&corner| corner >= count) {
             None => Ok(corners),
             Some(at) => {
                 let expected = format!("indices of its {count} vertices");
                 let found = format!("{} as number {at}", corners[at]);
-                Err(data.fault(&place, &expected, &found))
+                Err(data.fault(&location, &expected, &found))
             }
         }
     }

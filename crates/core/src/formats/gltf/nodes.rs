@@ -25,11 +25,11 @@ pub(super) fn mesh_nodes<'d>(data: &Data<'d>) -> Result<Vec<MeshNode<'d>>, Forma
     let mut has_parent = vec![false; nodes.len()];
     for (parent, node) in nodes.iter().enumerate() {
         for &child in &node.children {
-            let place = format!("nodes[{parent}].children");
-            data.one(nodes, child, &place, "nodes")?;
+            let location = format!("nodes[{parent}].children");
+            data.one(nodes, child, &location, "nodes")?;
             if std::mem::replace(&mut has_parent[child as usize], true) {
                 let found = format!("node {child}, which has another");
-                return Err(data.fault(&place, "nodes that have no other parent", &found));
+                return Err(data.fault(&location, "nodes that have no other parent", &found));
             }
         }
     }
@@ -51,13 +51,13 @@ pub(super) fn mesh_nodes<'d>(data: &Data<'d>) -> Result<Vec<MeshNode<'d>>, Forma
         .map(|&root| (root, DAffine3::IDENTITY))
         .collect();
     while let Some((index, world_from_parent)) = next.pop() {
-        let place = format!("nodes[{index}]");
+        let location = format!("nodes[{index}]");
         let node = data.one(nodes, index, "scenes", "nodes")?;
         if std::mem::replace(&mut is_met[index as usize], true) {
             let found = "one that is met twice";
-            return Err(data.fault(&place, "a node of a tree", found));
+            return Err(data.fault(&location, "a node of a tree", found));
         }
-        let parent_from_node = parent_from_node(data, node, &place)?;
+        let parent_from_node = parent_from_node(data, node, &location)?;
         let world_from_node = if parent_from_node == DAffine3::IDENTITY {
             world_from_parent
         } else if world_from_parent == DAffine3::IDENTITY {
@@ -66,10 +66,14 @@ pub(super) fn mesh_nodes<'d>(data: &Data<'d>) -> Result<Vec<MeshNode<'d>>, Forma
             world_from_parent * parent_from_node
         };
         if !world_from_node.is_finite() {
-            return Err(data.fault(&place, "a place of finite numbers", "one beyond them"));
+            return Err(data.fault(
+                &location,
+                "a placement of finite numbers",
+                "one beyond them",
+            ));
         }
         if let Some(mesh) = node.mesh {
-            data.one(&data.root.meshes, mesh, &place, "meshes")?;
+            data.one(&data.root.meshes, mesh, &location, "meshes")?;
             if found.len() == NODE_LIMIT {
                 let expected = format!("at most {NODE_LIMIT} nodes with meshes");
                 return Err(data.fault("nodes", &expected, "more"));
@@ -90,13 +94,13 @@ pub(super) fn mesh_nodes<'d>(data: &Data<'d>) -> Result<Vec<MeshNode<'d>>, Forma
     Ok(found)
 }
 
-fn parent_from_node(data: &Data<'_>, node: &Node, place: &str) -> Result<DAffine3, FormatError> {
+fn parent_from_node(data: &Data<'_>, node: &Node, location: &str) -> Result<DAffine3, FormatError> {
     if let Some(columns) = node.matrix {
         let [x, y, z, t] = [0, 4, 8, 12].map(|at| DVec3::from_slice(&columns[at..]));
         let last = [3, 7, 11, 15].map(|at| columns[at]);
         if last != [0.0, 0.0, 0.0, 1.0] {
             let found = format!("{last:?}");
-            return Err(data.fault(place, "0, 0, 0, 1 as a matrix's last row", &found));
+            return Err(data.fault(location, "0, 0, 0, 1 as a matrix's last row", &found));
         }
         return Ok(DAffine3 {
             matrix3: DMat3::from_cols(x, y, z),
@@ -110,7 +114,7 @@ fn parent_from_node(data: &Data<'_>, node: &Node, place: &str) -> Result<DAffine
             let length = rotation.length();
             if !(length > 0.0 && length.is_finite()) {
                 let found = format!("{numbers:?}");
-                return Err(data.fault(place, "a rotation as a quaternion", &found));
+                return Err(data.fault(location, "a rotation as a quaternion", &found));
             }
             rotation / length
         }

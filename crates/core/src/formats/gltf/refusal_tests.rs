@@ -101,7 +101,7 @@ fn says_where_and_what() {
     check(
         "{\"mesh\": 0}",
         "{\"mesh\": 0, \"scale\": [1e308, 1, 1], \"children\": [1]}, {\"mesh\": 0, \"scale\": [1e308, 1, 1]}",
-        "nodes[1]: expected a place of finite numbers",
+        "nodes[1]: expected a placement of finite numbers",
     );
     check(
         "{\"mesh\": 0}",

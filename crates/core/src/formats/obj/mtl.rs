@@ -40,8 +40,8 @@ pub(super) fn read(
         let rest = rest.trim();
         let mut warn = |expected: &str| {
             let (path, found) = (quote::path(path), quote(words));
-            let place = format!("{path}:{}", line.number);
-            warnings.push(format!("{place}: expected {expected}, found {found}"));
+            let location = format!("{path}:{}", line.number);
+            warnings.push(format!("{location}: expected {expected}, found {found}"));
         };
         match keyword {
             "newmtl" if rest.is_empty() => warn("a name behind `newmtl`"),

@@ -121,8 +121,8 @@ mod tests {
             ),
         ] {
             let message = text(source).expect_err(source);
-            let place = format!("a.obj:{line}: expected {expected}");
-            assert!(message.starts_with(&place), "{source:?}: {message}");
+            let location = format!("a.obj:{line}: expected {expected}");
+            assert!(message.starts_with(&location), "{source:?}: {message}");
         }
     }
 

@@ -14,7 +14,7 @@ use std::ops::Range;
 /// What the properties of faces mean.
 struct FaceLayout {
     layout: Layout,
-    /// The place of the list of vertex indices among the properties.
+    /// The index of the list of vertex indices among the properties.
     indices: usize,
     /// That of the list of the corners' texture coordinates.
     texcoords: Option<usize>,
@@ -36,8 +36,8 @@ impl FaceLayout {
         let indices = list(&["vertex_indices", "vertex_index"])?;
         let texcoords = list(&["texcoord"]);
         // Marked as used.
-        for place in [Some(indices), texcoords].into_iter().flatten() {
-            layout.properties[place].1 = POSITION;
+        for index in [Some(indices), texcoords].into_iter().flatten() {
+            layout.properties[index].1 = POSITION;
         }
         Some(Self {
             indices,
@@ -175,19 +175,19 @@ impl<V: Values> Reader<'_, V> {
         face.row = [0.0; UNUSED + 1];
         face.corners.clear();
         face.uvs.clear();
-        for (place, (property, role)) in faces.layout.properties.iter().enumerate() {
+        for (index, (property, role)) in faces.layout.properties.iter().enumerate() {
             let read = match property.length {
                 None => {
                     (self.values.value(property.kind)).map(|value| match face.row.get_mut(*role) {
-                        Some(place) => *place = value,
+                        Some(index) => *index = value,
                         None => face.scalars[*role - SCALAR] = value as f32,
                     })
                 }
-                Some(length) if place == faces.indices => {
+                Some(length) if index == faces.indices => {
                     self.corners(length, property.kind, &mut face.corners)?;
                     Ok(())
                 }
-                Some(length) if Some(place) == faces.texcoords => {
+                Some(length) if Some(index) == faces.texcoords => {
                     let push = |value: f64| face.uvs.push(value as f32);
                     self.values.list(length, property.kind, push)
                 }

@@ -36,7 +36,7 @@ impl Layout {
         let mut properties: Vec<_> = properties.map(|p| (p.clone(), UNUSED)).collect();
         let mut color_scale = 1.0;
         for &(names, role) in groups {
-            let places: Option<Vec<usize>> = names
+            let found: Option<Vec<usize>> = names
                 .iter()
                 .map(|name| {
                     let is_it = |(p, _): &(Property, Role)| p.length.is_none() && p.name == *name;
@@ -44,16 +44,16 @@ impl Layout {
                 })
                 .collect();
             let is_taken = properties.iter().any(|(_, taken)| *taken == role);
-            if let Some(places) = places.filter(|_| !is_taken) {
+            if let Some(found) = found.filter(|_| !is_taken) {
                 if role == COLOR {
-                    color_scale = match properties[places[0]].0.kind {
+                    color_scale = match properties[found[0]].0.kind {
                         Scalar::F32 | Scalar::F64 => 255.0,
                         Scalar::U16 => 255.0 / 65535.0,
                         _ => 1.0,
                     };
                 }
-                for (index, place) in places.into_iter().enumerate() {
-                    properties[place].1 = role + index;
+                for (offset, property) in found.into_iter().enumerate() {
+                    properties[property].1 = role + offset;
                 }
             }
         }

@@ -263,7 +263,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
         }
         let list = length.bytes() + 3 * kind.bytes();
         let mut offset = 0;
-        for (place, (property, role)) in layout.properties.iter().enumerate() {
+        for (number, (property, role)) in layout.properties.iter().enumerate() {
             if let Some(scalar) = role.checked_sub(SCALAR).and_then(|i| scalars.get_mut(i)) {
                 let value = |record| {
                     let value = Self::new(record, offset).value(property.kind);
@@ -273,7 +273,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
                 let records = bytes.par_chunks_exact(stride).with_min_len(TASK);
                 *scalar = records.map(value).collect();
             }
-            offset += match place == indices {
+            offset += match number == indices {
                 true => list,
                 false => property.kind.bytes(),
             };

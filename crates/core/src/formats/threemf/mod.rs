@@ -140,7 +140,7 @@ impl Loader<'_> {
             let id = instance.object;
             let world_from_object = product(world_from_outer, instance.outer_from_object);
             if !world_from_object.is_finite() {
-                let reason = "expected a place of finite numbers, found one beyond them";
+                let reason = "expected a placement of finite numbers, found one beyond them";
                 return Err(self.fault(named_in, &instance, reason));
             }
             let Some(object) = self.models.models[number].objects.get_mut(&id) else {

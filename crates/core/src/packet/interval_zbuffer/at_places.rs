@@ -17,11 +17,11 @@ use super::{ALL, IntervalZBuffer, ROW, SIDE, for_each_bit};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
-use crate::packet::placed_triangles::SmallTriangle;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
 use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::PacketSpace;
+use crate::packet::triangles_at_places::SmallTriangle;
 use crate::triangle::CornerLanes;
 
 /// The box of all rays: functions are set up relative to the packet's first place.

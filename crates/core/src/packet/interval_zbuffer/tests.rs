@@ -4,7 +4,7 @@ use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
 use super::*;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::Plain;
 use crate::packet::cast_tests::{build, grid, waves};
@@ -33,12 +33,12 @@ fn decisions<'a>(accel: &'a Accel, clip: &'a Clip) -> Decisions<'a> {
 
 fn decisions_of<'a>(accel: &'a Accel, clip: &'a Clip, precision: Precision) -> Decisions<'a> {
     let plane = ImagePlane::new(32, 32, 0.1).expect("a good plane");
-    let placement = Placement {
+    let pose = Pose {
         eye: DVec3::Z,
         target: DVec3::ZERO,
         up: DVec3::Y,
     };
-    let camera = Camera::new(placement, Projection::Perspective, plane);
+    let camera = Camera::new(pose, Projection::Perspective, plane);
     Decisions::new(accel, clip, &camera.whole().lattice(), precision)
 }
 

@@ -1,7 +1,7 @@
 //! Places of rays and their bounds, against the rays themselves.
 
 use super::*;
-use crate::camera::{Lattice, Panorama, Placement, Projection};
+use crate::camera::{Lattice, Panorama, Pose, Projection};
 use crate::num::simd::Plain;
 use crate::packet::place_box::PlaceBox;
 use crate::random::Random;
@@ -10,10 +10,10 @@ fn lattices() -> impl Iterator<Item = Lattice> {
     let mut random = Random(91);
     Panorama::ALL.into_iter().flat_map(move |(_, panorama)| {
         [0.02, 1e-3, 1e-7, 1e-13].map(|step| {
-            let placement = Placement::towards(random.point(), random.point() * 3.0);
-            let distance = placement.eye.distance(placement.target);
+            let pose = Pose::towards(random.point(), random.point() * 3.0);
+            let distance = pose.eye.distance(pose.target);
             let plane = ImagePlane::new(70, 50, step * distance).expect("a good plane");
-            let camera = Camera::new(placement, Projection::Panoramic(panorama), plane);
+            let camera = Camera::new(pose, Projection::Panoramic(panorama), plane);
             camera.whole().lattice()
         })
     })

@@ -5,7 +5,7 @@ use crate::math;
 use crate::packet::params::SIDE;
 use crate::packet::setup_tests::{camera, space};
 use crate::random::Random;
-use crate::triangle::exact::{self, PlacedTriangle};
+use crate::triangle::exact::{self, OffsetTriangle};
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -74,7 +74,7 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
             let mut orders = PlaneOrders::new();
             orders.set_rays(&space);
             let corners = |primitive: u32| pair[primitive as usize];
-            let placed = pair.map(|corners| PlacedTriangle {
+            let triangle = pair.map(|corners| OffsetTriangle {
                 corners,
                 origin: DVec3::ZERO,
             });
@@ -84,7 +84,7 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
                     (random.unit() * SIDE as f64).floor(),
                 );
                 let ray = camera.ray(x + 0.5, y + 0.5);
-                let truth = exact::compare(&ray, &placed[0], &placed[1], Cull::None);
+                let truth = exact::compare(&ray, &triangle[0], &triangle[1], Cull::None);
                 let Some(truth) = truth else { continue };
                 hits += 1;
                 let places = (&[x as f32; LANES], &[y as f32; LANES]);
@@ -120,7 +120,7 @@ fn planes_next_to_the_eye_are_ordered_as_exact_arithmetic_orders_them() {
     let [mut hits, mut decided] = [0; 2];
     for _ in 0..600 {
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.02);
-        let eye = camera.placement().eye;
+        let eye = camera.pose().eye;
         let across = camera.forward().any_orthogonal_vector();
         let around = [across, camera.forward().cross(across)];
         let mut layer = || {
@@ -147,13 +147,13 @@ fn planes_next_to_the_eye_are_ordered_as_exact_arithmetic_orders_them() {
         let space = space(&camera, DVec3::ZERO, Cull::None);
         let mut orders = PlaneOrders::new();
         orders.set_rays(&space);
-        let placed = pair.map(|corners| PlacedTriangle {
+        let triangle = pair.map(|corners| OffsetTriangle {
             corners,
             origin: DVec3::ZERO,
         });
         for place in [2.0, 9.0, 20.0, 31.0] {
             let ray = camera.ray(place + 0.5, place + 0.5);
-            let truth = exact::compare(&ray, &placed[0], &placed[1], Cull::None);
+            let truth = exact::compare(&ray, &triangle[0], &triangle[1], Cull::None);
             let Some(truth) = truth.filter(|order| order.is_ne()) else {
                 continue;
             };
@@ -179,24 +179,24 @@ fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
     let [mut pairs, mut decided] = [0; 2];
     for _ in 0..150 {
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.02);
-        let eye = camera.placement().eye;
+        let eye = camera.pose().eye;
         let space = space(&camera, DVec3::ZERO, Cull::None);
         let mut orders = PlaneOrders::new();
         orders.set_rays(&space);
         let mut number = || random.signed() * math::pow(10.0, 18.0 * random.signed());
         let mut corner = || (eye + DVec3::new(number(), number(), number())).as_vec3();
         let triangles: Vec<[Vec3; 3]> = (0..40).map(|_| [(); 3].map(|()| corner())).collect();
-        let placed = |triangle: u32| PlacedTriangle {
+        let triangle = |triangle: u32| OffsetTriangle {
             corners: triangles[triangle as usize],
             origin: DVec3::ZERO,
         };
         let ray = camera.ray(9.5, 9.5);
         let places = (&[9.0; LANES], &[9.0; LANES]);
         let hits: Vec<u32> = (0..triangles.len() as u32)
-            .filter(|&at| exact::hit(&ray, &placed(at), Cull::None, 0).is_some())
+            .filter(|&at| exact::hit(&ray, &triangle(at), Cull::None, 0).is_some())
             .collect();
         for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
-            let [first, second] = pair.map(placed);
+            let [first, second] = pair.map(triangle);
             let truth = exact::compare(&ray, &first, &second, Cull::None);
             let order = orders
                 .order(pair, |triangle| triangles[triangle as usize], || None)
@@ -317,7 +317,7 @@ fn orders_of_another_packet_are_forgotten() {
     for _ in 0..40 {
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.01);
         orders.set_rays(&space(&camera, DVec3::ZERO, Cull::None));
-        let expected = match camera.placement().eye.z {
+        let expected = match camera.pose().eye.z {
             z if z > 1.1 => [0, 0xff],
             z if z < -0.1 => [0xff, 0],
             _ => continue,

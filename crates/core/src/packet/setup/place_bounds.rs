@@ -128,12 +128,12 @@ fn most(a: f64, b: f64, c: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, ImagePlane, Placement, Projection};
+    use crate::camera::{Camera, ImagePlane, Pose, Projection};
     use crate::hit::Cull;
     use crate::packet::setup_tests::{lanes_of, space};
     use crate::random::Random;
     use crate::ray::Ray;
-    use crate::triangle::exact::{self, PlacedTriangle};
+    use crate::triangle::exact::{self, OffsetTriangle};
     use glam::{DVec3, Vec3};
 
     /// Checks that a hit's ray has its place within the bounds, and that the hit is no nearer than the bounds say.
@@ -145,11 +145,11 @@ mod tests {
         ray: &Ray,
         place: [f64; 2],
     ) -> bool {
-        let placed = PlacedTriangle {
+        let triangle = OffsetTriangle {
             corners,
             origin: tree_origin,
         };
-        let Some(hit) = exact::hit(ray, &placed, Cull::None, 0) else {
+        let Some(hit) = exact::hit(ray, &triangle, Cull::None, 0) else {
             return false;
         };
         let mut bounds = PlaceBounds::NONE;
@@ -209,8 +209,8 @@ mod tests {
             });
             let pitch = distance * random.decades(-10.0, -3.0);
             let plane = ImagePlane::new(32, 32, pitch).expect("a good plane");
-            let placement = Placement::towards(eye, tree_origin + a.as_dvec3());
-            let camera = Camera::new(placement, Projection::Perspective, plane);
+            let pose = Pose::towards(eye, tree_origin + a.as_dvec3());
+            let camera = Camera::new(pose, Projection::Perspective, plane);
             let space = space(&camera, tree_origin, Cull::None);
             // The view axis goes through the corner except for rounding.
             for aside in [0.0, 1e-4, -1e-4] {
@@ -231,7 +231,7 @@ mod tests {
             let eye = random.point() * 5.0;
             let plane = ImagePlane::new(32, 32, 1e-3).expect("a good plane");
             let camera = Camera::new(
-                Placement::towards(eye, DVec3::ZERO),
+                Pose::towards(eye, DVec3::ZERO),
                 Projection::Perspective,
                 plane,
             );
@@ -265,7 +265,7 @@ mod tests {
             });
             let plane = ImagePlane::new(32, 32, 0.05).expect("a good plane");
             let camera = Camera::new(
-                Placement::towards(eye, eye + way),
+                Pose::towards(eye, eye + way),
                 Projection::Perspective,
                 plane,
             );

@@ -132,7 +132,7 @@ impl PacketSpace {
             Projection::Orthographic | Projection::Panoramic(_) => {
                 let origin = eye + camera.on_plane(x, y);
                 // Each ray's own origin is rounded in world space, and its place on the plane is rounded before that.
-                let world = camera.placement().eye.abs().max_element()
+                let world = camera.pose().eye.abs().max_element()
                     + origin.abs().max_element()
                     + 2.0 * reach;
                 let origin_error = eye_error + 16.0 * EPSILON * world;

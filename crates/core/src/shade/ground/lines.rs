@@ -104,7 +104,7 @@ pub(in crate::shade) struct GroundLines {
 impl GroundLines {
     /// `None` for another kind of picture, and for eyes too far from the origin.
     pub(in crate::shade) fn new(camera: &Camera, height: f64, cell: f64) -> Option<Self> {
-        let eye = camera.placement().eye / cell;
+        let eye = camera.pose().eye / cell;
         if camera.stereo().is_some() || eye.abs().max_element() >= FURTHEST {
             return None;
         }

@@ -7,7 +7,7 @@ use crate::scene::{Reflectance, Texture};
 use crate::shade::Mode;
 use crate::shade::edges::EdgeLines;
 use crate::shade::facet::{Facet, Interpolation, Mapping, Varied, blend, unit};
-use crate::shade::interpolants::HitPlace;
+use crate::shade::interpolants::HitParameters;
 use crate::shade::reflection::{self, PlainReflectance, Surface, Surfaces};
 use crate::shade::slopes::slopes;
 use crate::shade::vectors::Vectors;
@@ -236,7 +236,7 @@ impl Shader<'_> {
     fn interpolated(&self, facet: &Facet, (x, y): (f64, f64), hit: &PrimitiveHit) -> PrimitiveHit {
         match (&facet.interpolation, &self.planar) {
             (Interpolation::Linear(interpolants), Some(rays)) => {
-                let HitPlace { t, u, v } = interpolants.at(rays, x, y);
+                let HitParameters { t, u, v } = interpolants.at(rays, x, y);
                 PrimitiveHit { t, u, v, ..*hit }
             }
             (Interpolation::Ray, _) => self.cast_again(hit.primitive, (x, y)),

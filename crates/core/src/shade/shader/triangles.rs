@@ -39,7 +39,7 @@ impl Shader<'_> {
     #[inline(always)]
     fn eye_at(&self, x: f64) -> DVec3 {
         if self.has_many_eyes() {
-            self.camera.seen_at(x, 0.0).placement().eye - self.accel.origin()
+            self.camera.seen_at(x, 0.0).pose().eye - self.accel.origin()
         } else {
             self.eye
         }

@@ -4,8 +4,7 @@ use super::per_triangle::laid;
 use super::photograph::Photographed;
 use super::placed_image::PlacedImage;
 use super::triplanar::Triplanar;
-use crate::scene::{Object, Projector};
-use crate::shade::TextureProjection;
+use crate::scene::{Object, Projector, TextureProjection};
 use crate::shade::facet::{Mapping, unit};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
@@ -111,7 +110,7 @@ pub fn texture_corners(
     if let ObjectMapping::Photographed(photographed) = mapping {
         let [a, b, c] = corners.map(|corner| {
             let in_object = object.mesh.offset() + corner.as_dvec3();
-            photographed.place(world_from_object.transform_point3(in_object), texture)
+            photographed.project(world_from_object.transform_point3(in_object), texture)
         });
         return Some([a?, b?, c?]);
     }
@@ -159,7 +158,7 @@ pub fn texture_point(
         (_, ObjectMapping::Placed(placed)) => Some(placed.at(point)),
         (_, ObjectMapping::Photographed(photographed)) => {
             let in_object = object.mesh.offset() + point;
-            photographed.place(world_from_object.transform_point3(in_object), texture)
+            photographed.project(world_from_object.transform_point3(in_object), texture)
         }
         _ => None,
     }

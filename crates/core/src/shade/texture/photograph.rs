@@ -2,7 +2,7 @@
 //! Foran and Haeberli, "Fast Shadows and Lighting Effects Using Texture Mapping", 1992).
 
 use crate::camera::{
-    BrownConrady, Camera, ImagePlane, LensError, Placement, PlacementError, PlaneError, Projection,
+    BrownConrady, Camera, ImagePlane, LensError, PlaneError, Pose, PoseError, Projection,
 };
 use crate::ranges::OutOfRange;
 use crate::scene::{Photograph, Texture};
@@ -11,9 +11,9 @@ use glam::{DVec2, DVec3};
 /// Why a [`Photograph`] is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PhotographError {
-    /// A placement without a view direction, or without an up direction.
+    /// A pose without a view direction, or without an up direction.
     #[error(transparent)]
-    Placement(#[from] PlacementError),
+    Pose(#[from] PoseError),
     /// A lens with a coefficient that is not finite.
     #[error(transparent)]
     Lens(#[from] LensError),
@@ -44,8 +44,8 @@ impl Photograph {
             shift,
             lens,
         } = *self;
-        let placement = Placement { eye, target, up };
-        placement.check()?;
+        let pose = Pose { eye, target, up };
+        pose.check()?;
         let projection = match lens {
             Some(lens) => Projection::through(BrownConrady::new(lens)?),
             None => Projection::Perspective,
@@ -53,7 +53,7 @@ impl Photograph {
         let fov = projection.check_fov(fov)?;
         let frame = projection.frame(fov, eye.distance(target));
         let plane = ImagePlane::new(SIDE, SIDE, frame / f64::from(SIDE))?;
-        Ok(Camera::new(placement, projection, plane).shifted(shift))
+        Ok(Camera::new(pose, projection, plane).shifted(shift))
     }
 }
 
@@ -78,12 +78,12 @@ impl Photographed {
 
     /// The camera's eye, in world space.
     pub(in crate::shade) fn eye(&self) -> DVec3 {
-        self.camera.placement().eye
+        self.camera.pose().eye
     }
 
     /// The texture coordinates of a point, inside or outside the frame; `None` behind the eye, and where the lens
     /// sees nothing.
-    pub(in crate::shade) fn place(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
+    pub(in crate::shade) fn project(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
         let (x, y) = self.camera.project(self.origin + point)?;
         let side = f64::from(SIDE);
         Some(DVec2::new(
@@ -95,16 +95,16 @@ impl Photographed {
     /// The texture coordinates of a point in the frame, clamped to half a texel from the frame's border so that
     /// nothing beyond the image is read. `None` outside the frame.
     pub(in crate::shade) fn within(&self, point: DVec3, texture: &Texture) -> Option<DVec2> {
-        let place = self.place(point, texture)?;
-        let is_within = (0.0..=1.0).contains(&place.x) && (0.0..=1.0).contains(&place.y);
+        let at = self.project(point, texture)?;
+        let is_within = (0.0..=1.0).contains(&at.x) && (0.0..=1.0).contains(&at.y);
         let half = DVec2::new(
             0.5 / f64::from(texture.width()),
             0.5 / f64::from(texture.height()),
         );
-        is_within.then(|| place.clamp(half, 1.0 - half))
+        is_within.then(|| at.clamp(half, 1.0 - half))
     }
 
-    /// The derivative of [`Photographed::place`] along a step; infinite or NaN where it is undefined.
+    /// The derivative of [`Photographed::project`] along a step; infinite or NaN where it is undefined.
     ///
     /// The point is λ·D from the eye, with D the direction through its pixel (x, y). As D changes by r from a pixel
     /// to the next on the right and by s to the one below, a step is λ·(r·dx + s·dy) + D·dλ; its products with s × D
@@ -169,19 +169,19 @@ mod tests {
             };
             let frame = projection.frame(40.0, eye.distance(target));
             let plane = ImagePlane::new(32, 16, frame / 16.0).expect("a plane");
-            let placement = Placement { eye, target, up };
-            let camera = Camera::new(placement, projection, plane).shifted(photograph.shift);
+            let pose = Pose { eye, target, up };
+            let camera = Camera::new(pose, projection, plane).shifted(photograph.shift);
             let (taken, texture) = (taken(&photograph), texture());
             let mut seen = 0;
             for _ in 0..2000 {
                 let point = random.point() * 3.0;
-                let found = taken.place(point, &texture);
+                let found = taken.project(point, &texture);
                 let truth = camera.project(taken.origin + point);
                 let Some((x, y)) = truth else {
                     assert_eq!(found, None);
                     continue;
                 };
-                let found = found.expect("a place");
+                let found = found.expect("coordinates");
                 let truth = DVec2::new(x / 32.0, 1.0 - y / 16.0);
                 // The shift is rounded to 2⁻²⁴ pixels; one picture has sixteen pixels a side and the other two.
                 assert!(
@@ -207,7 +207,7 @@ mod tests {
                 let (point, step) = (random.point(), random.point());
                 let by = 1e-6;
                 let sides =
-                    [1.0, -1.0].map(|side| taken.place(point + step * (side * by), &texture));
+                    [1.0, -1.0].map(|side| taken.project(point + step * (side * by), &texture));
                 let [Some(after), Some(before)] = sides else {
                     continue;
                 };

@@ -118,7 +118,7 @@ impl Request<'_> {
     }
 }
 
-/// Whether any option sets the camera's placement or projection.
+/// Whether any option sets the camera's pose or projection.
 fn sets_camera(args: &CameraArgs) -> bool {
     let CameraArgs {
         size: _,

@@ -97,7 +97,7 @@ fn a_scene_is_shown_as_its_file_says_and_nothing_stays_of_the_last() {
     let mut state = opened(1);
     let first = state.viewpoint;
     let camera = CameraFile {
-        placement: Placement::towards(DVec3::new(0.0, 3.0, 9.0), DVec3::ZERO),
+        pose: Pose::towards(DVec3::new(0.0, 3.0, 9.0), DVec3::ZERO),
         projection: Projection::Perspective,
         frame: 25.0,
     };
@@ -243,7 +243,7 @@ fn views_are_kept_for_a_file_and_recalled_with_it() {
     let [recalled] = state.bookmarks[..] else {
         panic!("{:?}", state.bookmarks);
     };
-    let (a, b) = (recalled.placement(), second.placement());
+    let (a, b) = (recalled.pose(), second.pose());
     assert!(
         a.eye.distance(b.eye) < 1e-12 && a.up.distance(b.up) < 1e-12,
         "{a:?} {b:?}"
@@ -260,7 +260,7 @@ fn a_camera_is_copied_pasted_and_typed() {
     };
     update(&mut state, Command::Look(StandardView::Left));
     update(&mut state, Command::PasteCamera(text));
-    let (a, b) = (here.placement(), state.viewpoint.placement());
+    let (a, b) = (here.pose(), state.viewpoint.pose());
     assert!(a.eye.distance(b.eye) < 1e-12 && a.target.distance(b.target) < 1e-12);
     let before = state.viewpoint;
     update(
@@ -269,11 +269,11 @@ fn a_camera_is_copied_pasted_and_typed() {
     );
     assert_eq!(state.viewpoint, before);
     let (eye, target) = (DVec3::new(4.0, 2.0, 3.0), DVec3::Y);
-    update(&mut state, Command::SetPlacement { eye, target });
-    let placed = state.viewpoint.placement();
+    update(&mut state, Command::SetPose { eye, target });
+    let placed = state.viewpoint.pose();
     assert!(placed.eye.distance(eye) < 1e-12 && placed.target == target);
-    update(&mut state, Command::SetPlacement { eye, target: eye });
-    assert_eq!(state.viewpoint.placement(), placed, "that is no direction");
+    update(&mut state, Command::SetPose { eye, target: eye });
+    assert_eq!(state.viewpoint.pose(), placed, "that is no direction");
 }
 
 #[test]
@@ -286,11 +286,11 @@ fn walking_moves_the_eye_and_looking_around_does_not() {
             seconds: 1.0,
         },
     );
-    let eye = |state: &State| state.viewpoint.placement().eye;
+    let eye = |state: &State| state.viewpoint.pose().eye;
     let before = eye(&state);
     assert_eq!(
         before,
-        opened(1).viewpoint.placement().eye,
+        opened(1).viewpoint.pose().eye,
         "only who walks goes"
     );
     do_all(

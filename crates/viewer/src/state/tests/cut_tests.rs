@@ -9,7 +9,7 @@ fn planes(state: &State) -> Vec<ClippingPlane> {
 #[test]
 fn a_plane_across_an_axis_cuts_the_eyes_side_away_and_is_undone() {
     let mut state = opened(2);
-    let eye = state.viewpoint.placement().eye;
+    let eye = state.viewpoint.pose().eye;
     for axis in 0..3 {
         do_all(&mut state, [Command::AddPlane(PlaneBy::Axis(axis))]);
         let plane = planes(&state)[axis];

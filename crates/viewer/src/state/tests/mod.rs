@@ -24,15 +24,15 @@ use crate::state::news::{DialogAnswer, News, expire_toasts, receive};
 use crate::state::viewpoint::{DEFAULT_FOV, StandardView, Viewpoint};
 use crate::state::{Answer, Replacing, TILES_LIMIT};
 use raycast_core::camera::{
-    FrameLock, Grid, Panorama, PixelFilter, Placement, Projection, Stereo, StereoKind,
+    FrameLock, Grid, Panorama, PixelFilter, Pose, Projection, Stereo, StereoKind,
 };
 use raycast_core::formats::{CameraFile, ImageSettings};
 use raycast_core::glam::{DAffine3, DVec3};
 use raycast_core::scene::{
     Color, ColorMap, ColorRule, ColorScale, Mesh, MeshData, Object, Quantity, Scene, Shape,
-    Texture, Transform,
+    Texture, TextureProjection, Transform,
 };
-use raycast_core::shade::{Mode, TextureProjection};
+use raycast_core::shade::Mode;
 use raycast_core::{Accel, Cull, Precision};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -217,7 +217,7 @@ fn an_orthographic_eye_stays_before_the_scene() {
     let camera = state.camera().expect("a camera");
     assert!((camera.plane().frame_height() - frame * 0.01).abs() < frame * 1e-9);
     for corner in state.bounds().corners() {
-        let depth = (corner - camera.placement().eye).dot(camera.forward());
+        let depth = (corner - camera.pose().eye).dot(camera.forward());
         assert!(depth >= 0.0, "{corner} lies {depth} before the eye");
     }
 }

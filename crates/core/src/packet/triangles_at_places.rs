@@ -33,7 +33,7 @@ use crate::triangle::CornerLanes;
 const MOST_PLACE_ERROR: f32 = 0.125;
 
 /// Eight triangles projected into a packet.
-pub(super) struct PlacedTriangles {
+pub(super) struct TrianglesAtPlaces {
     pub(super) bounds: PlaceBounds,
     /// Those of the seen triangles, as bits, that are small.
     pub(super) small: u32,
@@ -46,7 +46,7 @@ pub(super) struct PlacedTriangles {
 /// One of them that is small.
 #[derive(Clone, Copy)]
 pub(super) struct SmallTriangle<'a> {
-    all: &'a PlacedTriangles,
+    all: &'a TrianglesAtPlaces,
     lane: usize,
 }
 
@@ -83,7 +83,7 @@ impl SmallTriangle<'_> {
     }
 }
 
-impl PlacedTriangles {
+impl TrianglesAtPlaces {
     /// No triangles.
     pub(super) const NONE: Self = Self {
         bounds: PlaceBounds::NONE,

@@ -1,15 +1,15 @@
 //! Triangles projected into packets of panoramas, at rays that their edges and corners lie on, against exact arithmetic.
 
 use super::place_box::PlaceBox;
-use super::placed_triangles::{PlacedTriangles, SmallTriangle};
 use super::ray_bounds::Projector;
 use super::setup_tests::{camera, lanes_of, space};
-use crate::camera::{Camera, ImagePlane, Placement, Projection};
+use super::triangles_at_places::{SmallTriangle, TrianglesAtPlaces};
+use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
 use crate::math;
 use crate::num::simd::{LANES, Plain};
 use crate::random::Random;
-use crate::triangle::exact::{self, PlacedTriangle};
+use crate::triangle::exact::{self, OffsetTriangle};
 use glam::{DVec3, Vec3};
 
 const AROUND: PlaceBox = PlaceBox {
@@ -79,7 +79,7 @@ fn check_eight(
         ray_error,
     } = packet;
     let corners = lanes_of(triangles.map(|(triangle, _)| triangle));
-    let mut found = PlacedTriangles::NONE;
+    let mut found = TrianglesAtPlaces::NONE;
     if !found.project(Plain, projector, &corners, LANES, &AROUND) {
         assert_eq!((found.bounds.seen, found.small), (0, 0));
         tally.coarse += 1;
@@ -89,11 +89,11 @@ fn check_eight(
         let [i, j] = [(); 2].map(|()| ray_error * random.signed());
         let ray = camera.ray(place[0] + 0.5 + i, place[1] + 0.5 + j);
         let place = place.map(|at| at as f32);
-        let placed = PlacedTriangle {
+        let triangle = OffsetTriangle {
             corners,
             origin: *tree_origin,
         };
-        let truth = exact::hit(&ray, &placed, *cull, 0);
+        let truth = exact::hit(&ray, &triangle, *cull, 0);
         let key = truth.map(|hit| 1.0 / (hit.t * ray.direction.dot(camera.forward())));
         let case = format!("{camera:?}: {corners:?} at {place:?}");
         let bounds = found.bounds.of(l);
@@ -152,7 +152,7 @@ fn check(pitch: f64, tree_origin: DVec3, depth: f32, tally: &mut Tally) {
 }
 
 #[test]
-fn placed_triangles_keep_the_rays_that_hit_them() {
+fn triangles_at_places_keep_the_rays_that_hit_them() {
     let far = DVec3::new(148_376.0, 1234.5, -223_423.25);
     let mut tally = Tally::default();
     for depth in [5.0, 1.0, 1e4] {
@@ -169,7 +169,7 @@ fn placed_triangles_keep_the_rays_that_hit_them() {
 
 /// Rays beside their places by as much as they may be.
 #[test]
-fn rays_beside_their_places_are_within_the_bounds_of_placed_triangles() {
+fn rays_beside_their_places_are_within_the_bounds_of_triangles_at_places() {
     let mut random = Random(62);
     let mut tally = Tally::default();
     for _ in 0..3000 {
@@ -199,8 +199,8 @@ fn nearby_triangles_of_a_wide_packet_keep_the_rays_that_hit_them() {
     for _ in 0..10_000 {
         let eye = random.point();
         let plane = ImagePlane::new(32, 32, 1.5 / 31.0).expect("a good plane");
-        let placement = Placement::towards(eye, eye + random.point().normalize());
-        let camera = Camera::new(placement, Projection::Perspective, plane);
+        let pose = Pose::towards(eye, eye + random.point().normalize());
+        let camera = Camera::new(pose, Projection::Perspective, plane);
         let space = space(&camera, DVec3::ZERO, Cull::None);
         let near = math::pow(10.0, -2.0 + 2.0 * random.unit());
         let depth = (near * (3.0 + 600.0 * random.unit())) as f32;

@@ -2,7 +2,7 @@ use glam::DVec3;
 
 /// The position and orientation of a camera, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
+pub struct Pose {
     /// The eye.
     pub eye: DVec3,
     /// The point on the view axis at which the step is measured.
@@ -11,9 +11,9 @@ pub struct Placement {
     pub up: DVec3,
 }
 
-/// Why a placement defines no view direction, or no up direction.
+/// Why a pose defines no view direction, or no up direction.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PlacementError {
+pub enum PoseError {
     /// A coordinate that is not finite, or points so far apart that their distance is not.
     #[error(
         "a camera cannot stand at {:?} and look at {:?}: expected finite numbers, and a finite distance",
@@ -58,7 +58,7 @@ pub enum PlacementError {
     },
 }
 
-impl Placement {
+impl Pose {
     /// The least sine of the angle between up and the view axis. Coordinates of unit vectors are rounded by some
     /// 1e-16, so that at this limit a ten-millionth of the component across the axis is rounding.
     pub(super) const LEAST_SINE: f64 = 1e-9;
@@ -71,7 +71,7 @@ impl Placement {
             up: DVec3::Y,
         };
         match upright.check() {
-            Err(PlacementError::UpAlongView { .. }) => Self {
+            Err(PoseError::UpAlongView { .. }) => Self {
                 up: DVec3::NEG_Z,
                 ..upright
             },
@@ -79,28 +79,28 @@ impl Placement {
         }
     }
 
-    /// Whether the placement defines a view direction and an up direction.
+    /// Whether the pose defines a view direction and an up direction.
     ///
-    /// [`super::Camera::new`] accepts any placement; this tells a person that theirs would be replaced.
+    /// [`super::Camera::new`] accepts any pose; this tells a person that theirs would be replaced.
     ///
     /// # Errors
     /// What is wrong, in one line.
-    pub fn check(&self) -> Result<(), PlacementError> {
+    pub fn check(&self) -> Result<(), PoseError> {
         let Self { eye, target, up } = *self;
         let sight = target - eye;
         if !(eye.is_finite() && target.is_finite() && sight.length().is_finite()) {
-            return Err(PlacementError::NotFinite { eye, target });
+            return Err(PoseError::NotFinite { eye, target });
         }
         if sight.length() == 0.0 {
-            return Err(PlacementError::NoDirection { eye });
+            return Err(PoseError::NoDirection { eye });
         }
         let unit_up = up.normalize_or_zero();
         if unit_up == DVec3::ZERO {
-            return Err(PlacementError::NoUp { up });
+            return Err(PoseError::NoUp { up });
         }
         let across = (sight / sight.length()).cross(unit_up);
         if across.length() <= Self::LEAST_SINE {
-            return Err(PlacementError::UpAlongView { up, eye, target });
+            return Err(PoseError::UpAlongView { up, eye, target });
         }
         Ok(())
     }
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn faults_of_placements_are_named() {
         let check = |eye: DVec3, target: DVec3, up: DVec3| {
-            let error = Placement { eye, target, up }.check().err();
+            let error = Pose { eye, target, up }.check().err();
             error.map(|error| error.to_string())
         };
         let (eye, zero) = (DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO);
@@ -143,9 +143,9 @@ mod tests {
 
     #[test]
     fn up_is_y_or_minus_z_by_default() {
-        let down = Placement::towards(DVec3::Y, DVec3::ZERO);
+        let down = Pose::towards(DVec3::Y, DVec3::ZERO);
         assert_eq!(down.up, DVec3::NEG_Z);
         assert_eq!(down.check(), Ok(()));
-        assert_eq!(Placement::towards(DVec3::Z, DVec3::ZERO).up, DVec3::Y);
+        assert_eq!(Pose::towards(DVec3::Z, DVec3::ZERO).up, DVec3::Y);
     }
 }

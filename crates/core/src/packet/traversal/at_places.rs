@@ -10,10 +10,11 @@ use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::ROW;
 use crate::packet::place_box::PlaceBox;
-use crate::packet::placed_triangles::PlacedTriangles;
 use crate::packet::places::Places;
 use crate::packet::ray_bounds::Projector;
 use crate::packet::ray_rect::RayRect;
+use crate::packet::setup::PacketSpace;
+use crate::packet::triangles_at_places::TrianglesAtPlaces;
 use glam::DVec3;
 
 impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
@@ -90,16 +91,16 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             };
             let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
             let projector = Projector::new(&space, nearest);
-            let mut placed = PlacedTriangles::NONE;
+            let mut projected = TrianglesAtPlaces::NONE;
             let mut boxes = [PlaceBox::EMPTY; LANES];
             let mut begun = false;
             loop {
                 let mut covered = 0;
                 while self.queued.len < LANES {
-                    if placed.bounds.seen != 0 {
-                        let lane = placed.bounds.seen.trailing_zeros() as usize & (LANES - 1);
-                        placed.bounds.seen &= placed.bounds.seen - 1;
-                        let at = (places, &placed, lane);
+                    if projected.bounds.seen != 0 {
+                        let lane = projected.bounds.seen.trailing_zeros() as usize & (LANES - 1);
+                        projected.bounds.seen &= projected.bounds.seen - 1;
+                        let at = (places, &projected, lane);
                         covered +=
                             self.queue_or_merge(lanes, at, &mut boxes, &mut descent, zbuffer);
                         continue;
@@ -119,17 +120,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                         self.decisions.set_rays(&space, &part);
                         zbuffer.clear_places(lanes, places);
                     }
-                    let corners = self.corners(lanes, Batch::primitives(&self.batch));
-                    let count = self.batch.len;
-                    if !placed.project(lanes, &projector, &corners, count, &places.around) {
-                        space.bound_places(&corners, count, &mut placed.bounds);
-                    }
-                    // Depth keys of small triangles are too coarse to be relative, and what clipping planes cut has further edges.
-                    placed.small &= if self.reference.is_zero() {
-                        !self.cut
-                    } else {
-                        0
-                    };
+                    self.project_batch(lanes, (&projector, &space), places, &mut projected);
                 }
                 if self.queued.len == 0 {
                     return begun;
@@ -156,26 +147,47 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         }
     }
 
+    /// Bounds the batch's triangles among the rays, and prepares the small ones.
+    #[inline(always)]
+    fn project_batch(
+        &self,
+        lanes: impl Lanes,
+        (projector, space): (&Projector, &PacketSpace),
+        places: &Places,
+        projected: &mut TrianglesAtPlaces,
+    ) {
+        let corners = self.corners(lanes, Batch::primitives(&self.batch));
+        let count = self.batch.len;
+        if !projected.project(lanes, projector, &corners, count, &places.around) {
+            space.bound_places(&corners, count, &mut projected.bounds);
+        }
+        // Depth keys of small triangles are too coarse to be relative, and what clipping planes cut has further edges.
+        projected.small &= match self.reference.is_zero() {
+            true => !self.cut,
+            false => 0,
+        };
+    }
+
     /// Merges one of the batch's triangles if it is small, and queues it for set-up otherwise; neither where it is occluded.
     /// Returns how many rays it may cover.
     #[inline(always)]
     fn queue_or_merge(
         &mut self,
         lanes: impl Lanes,
-        (places, placed, lane): (&Places, &PlacedTriangles, usize),
+        (places, projected, lane): (&Places, &TrianglesAtPlaces, usize),
         boxes: &mut [PlaceBox; LANES],
         descent: &mut Descent,
         zbuffer: &mut IntervalZBuffer,
     ) -> i32 {
         let primitive = self.batch.primitives[lane];
-        let near = (self.reference).relative_above(placed.bounds.nearest[lane]);
-        let around = placed.bounds.of(lane);
+        let near = (self.reference).relative_above(projected.bounds.nearest[lane]);
+        let around = projected.bounds.of(lane);
         let cells = places.cells_touched(lanes, &around);
         if zbuffer.occludes_cells(lanes, cells, near) {
             return 0;
         }
-        if placed.small >> lane & 1 != 0 {
-            let small = (placed.small(lane), primitive);
+        if projected.small >> lane & 1 != 0 {
+            let small = (projected.small(lane), primitive);
             let decisions = &mut self.decisions;
             if zbuffer.rasterize_small_at(lanes, places, small, (cells, &around), decisions) {
                 descent.merged_small = true;
