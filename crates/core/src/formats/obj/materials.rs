@@ -1,6 +1,7 @@
 //! The materials of an OBJ file: its libraries, their images, and which triangle has which.
 
 use super::content::{NONE, ObjText};
+use super::map_options::MtlImage;
 use super::mtl::{self, MtlMaterial, Unused};
 use crate::formats::error::FormatError;
 use crate::formats::files::{Contents, Files, NamedBy, beside};
@@ -8,7 +9,7 @@ use crate::formats::limits::Budget;
 use crate::formats::parsed::BLENDED;
 use crate::formats::texture;
 use crate::quote::{self, quote};
-use crate::scene::{Alpha, Opacity, Texture};
+use crate::scene::{Alpha, Opacity, Texture, Wrap};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,9 +72,8 @@ pub(super) fn materials(
     if texture.is_none() {
         for &number in &used {
             let (material, library) = &mut materials[number];
-            if let Some(name) = &material.texture {
-                let image = images.read(&beside(library, name), "image", name);
-                material.material.texture = image;
+            if let Some(image) = &material.texture {
+                material.material.texture = images.read(library, image, "image");
             }
         }
     }
@@ -89,13 +89,15 @@ pub(super) fn materials(
     (materials, texture)
 }
 
-/// The image that the materials of all faces name.
+/// The image that the materials of all faces name; `None` where it is not to be repeated, which only a texture that is
+/// read says.
 fn common_image(text: &ObjText, materials: &Materials) -> Option<PathBuf> {
     let numbers = index_by_name(materials);
     let image = |name: u32| {
         let name = text.materials.get(name as usize)?;
         let (material, library) = materials.get(*numbers.get(name.as_str())? as usize)?;
-        Some(beside(library, material.texture.as_deref()?))
+        let image = material.texture.as_ref()?;
+        (!image.options.clamps).then(|| beside(library, &image.name))
     };
     let (first_triangle, first) = *text.material_runs.first()?;
     let first = image(first).filter(|_| first_triangle == 0)?;
@@ -114,7 +116,8 @@ struct Images<'f> {
     files: &'f dyn Files,
     warnings: &'f mut Vec<String>,
     /// `None` for one that cannot be read, of which a warning says why.
-    known: HashMap<PathBuf, Option<Arc<Texture>>>,
+    /// With whether it is clamped.
+    known: HashMap<(PathBuf, bool), Option<Arc<Texture>>>,
 }
 
 impl<'f> Images<'f> {
@@ -127,23 +130,27 @@ impl<'f> Images<'f> {
         }
     }
 
-    /// An image; `what` and the name by which the library calls it are for the warning.
-    fn read(&mut self, file: &Path, what: &str, name: &str) -> Option<Arc<Texture>> {
-        if let Some(known) = self.known.get(file) {
+    /// An image of a library; `what` it is to it is for the warning.
+    fn read(&mut self, library: &Path, image: &MtlImage, what: &str) -> Option<Arc<Texture>> {
+        let key = (beside(library, &image.name), image.options.clamps);
+        if let Some(known) = self.known.get(&key) {
             return known.clone();
         }
+        let file = &key.0;
         let read = (self.files)
             .read(file, NamedBy::Mesh(self.path), &|_| ())
             .and_then(|bytes| texture::decode(file, &bytes, self.files.budget()));
-        let image = match read {
-            Ok(image) => Some(Arc::new(image)),
+        let texture = match read {
+            Ok(texture) if image.options.clamps => Some(texture.wrapped([Wrap::Clamp; 2])),
+            Ok(texture) => Some(texture),
             Err(error) => {
-                self.warn(what, name, &error);
+                self.warn(what, &image.name, &error);
                 None
             }
         };
-        self.known.insert(file.to_owned(), image.clone());
-        image
+        let texture = texture.map(Arc::new);
+        self.known.insert(key, texture.clone());
+        texture
     }
 
     fn warn(&mut self, what: &str, name: &str, error: &FormatError) {
@@ -157,23 +164,23 @@ impl<'f> Images<'f> {
 /// Reads the opacity images of the used materials. A material whose library gives no other opacity becomes a mask;
 /// otherwise the image's alpha is part of its blending.
 fn read_opacity_images(materials: &mut Materials, used: &[usize], images: &mut Images<'_>) {
-    let mut known: HashMap<PathBuf, Option<Arc<Texture>>> = HashMap::new();
+    let mut known: HashMap<(PathBuf, bool), Option<Arc<Texture>>> = HashMap::new();
     for &number in used {
         let (material, library) = &mut materials[number];
-        let Some(name) = &material.opacity else {
+        let Some(image) = &material.opacity else {
             continue;
         };
-        let file = beside(library, name);
-        let image = match known.get(&file) {
+        let key = (beside(library, &image.name), image.options.clamps);
+        let image = match known.get(&key) {
             Some(image) => image.clone(),
             None => {
-                let image = images.read(&file, "opacity", name).and_then(|image| {
-                    alpha_image(&file, image, images.files.budget())
-                        .map_err(|error| images.warn("opacity", name, &error))
+                let alpha = images.read(library, image, "opacity").and_then(|texture| {
+                    alpha_image(&key.0, texture, images.files.budget())
+                        .map_err(|error| images.warn("opacity", &image.name, &error))
                         .ok()
                 });
-                known.insert(file, image.clone());
-                image
+                known.insert(key, alpha.clone());
+                alpha
             }
         };
         let Some(image) = image else { continue };
@@ -210,7 +217,7 @@ fn alpha_image(
         return Ok(image);
     };
     share.keep(bytes);
-    Ok(Arc::new(opacity))
+    Ok(Arc::new(opacity.wrapped(image.wrap())))
 }
 
 /// The index of the material's name of every triangle.

@@ -1,4 +1,5 @@
 mod content;
+mod map_options;
 mod materials;
 mod mtl;
 mod numbers;
@@ -95,6 +96,10 @@ pub(super) fn read(
     for material in &mut mesh.material_of_triangle {
         *material = named.get(*material as usize).copied().unwrap_or(NONE);
     }
+    let options: Vec<_> = (materials.iter())
+        .map(|(material, _)| material.options())
+        .collect();
+    map_options::move_coordinates(path, &mut mesh, &options, files.budget())?;
     mesh.materials = materials
         .into_iter()
         .map(|(material, _)| material.material)

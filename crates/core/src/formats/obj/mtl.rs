@@ -1,3 +1,4 @@
+use super::map_options::{MapOptions, MtlImage};
 use crate::formats::lines::{Line, Lines, text};
 use crate::quote::{self, quote, shorten};
 use crate::scene::{Alpha, Color, Material, Opacity, Reflectance};
@@ -9,10 +10,18 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MtlMaterial {
     pub(super) material: Material,
-    /// The path of its diffuse image, as the library writes it.
-    pub(super) texture: Option<String>,
-    /// The path of its opacity image.
-    pub(super) opacity: Option<String>,
+    /// Its diffuse image.
+    pub(super) texture: Option<MtlImage>,
+    /// Its opacity image.
+    pub(super) opacity: Option<MtlImage>,
+}
+
+impl MtlMaterial {
+    /// How its texture coordinates are moved: both images share them.
+    pub(super) fn options(&self) -> MapOptions {
+        let image = self.texture.as_ref().or(self.opacity.as_ref());
+        image.map_or_else(MapOptions::default, |image| image.options)
+    }
 }
 
 /// Keywords of a library and options of its images that are not shown, and the number of materials with each.
@@ -45,8 +54,9 @@ pub(super) fn read(
         };
         match keyword {
             "newmtl" if rest.is_empty() => warn("a name behind `newmtl`"),
-            "map_Kd" if image_name(rest).is_none() => warn("a file behind `map_Kd`"),
-            "map_d" if image_name(rest).is_none() => warn("a file behind `map_d`"),
+            "map_Kd" | "map_d" if MtlImage::parse(rest).is_none() => {
+                warn(&format!("a file behind `{keyword}`"));
+            }
             "d" | "Tr" => match opacity(rest) {
                 Some(number) => clean.push_str(&format!("{keyword} {number}\n")),
                 None => warn("a number from 0 to 1"),
@@ -55,12 +65,7 @@ pub(super) fn read(
                 clean.push_str(&format!("{keyword} {rest}\n"));
                 looks.push(Look::default());
             }
-            "map_Kd" | "map_d" => {
-                clean.push_str(&format!("{keyword} {rest}\n"));
-                if rest.starts_with('-') {
-                    *unused.entry(format!("options of {keyword}")).or_default() += 1;
-                }
-            }
+            "map_Kd" | "map_d" => clean.push_str(&format!("{keyword} {rest}\n")),
             "Kd" => match diffuse(rest) {
                 Some([r, g, b]) => clean.push_str(&format!("Kd {r} {g} {b}\n")),
                 None => warn("one or three numbers behind `Kd`"),
@@ -95,7 +100,8 @@ pub(super) fn read(
         Ok((materials, _)) => {
             let looks = looks.into_iter().chain(std::iter::repeat(Look::default()));
             let all = materials.into_iter().zip(looks);
-            all.map(|(material, look)| convert(material, look))
+            let all = all.map(|(material, look)| convert(material, look));
+            all.inspect(|material| count_options(material, unused))
                 .collect()
         }
         Err(error) => {
@@ -105,15 +111,27 @@ pub(super) fn read(
     }
 }
 
+/// Counts options of images that are not obeyed.
+fn count_options(material: &MtlMaterial, unused: &mut Unused) {
+    let moves = material.options();
+    for (keyword, image) in [("map_Kd", &material.texture), ("map_d", &material.opacity)] {
+        let is_odd = |image: &MtlImage| image.has_others || !image.options.moves_as(&moves);
+        if image.as_ref().is_some_and(is_odd) {
+            *unused.entry(format!("options of {keyword}")).or_default() += 1;
+        }
+    }
+}
+
 /// The images that a library names, those too that are not shown.
 pub(super) fn images(bytes: &[u8]) -> Vec<String> {
     let text = text(bytes);
-    let image = |line: Line<'_>| {
+    let image = |line: Line<'_>| -> Option<String> {
         let (keyword, rest) = line.text.trim().split_once(char::is_whitespace)?;
         let keyword = keyword.to_ascii_lowercase();
         let is_image = keyword.starts_with("map_")
             || ["bump", "disp", "decal", "norm", "refl"].contains(&&*keyword);
-        image_name(rest).filter(|_| is_image).map(str::to_owned)
+        let image = MtlImage::parse(rest).filter(|_| is_image)?;
+        Some(image.name)
     };
     Lines::new(&text).filter_map(image).collect()
 }
@@ -174,10 +192,10 @@ fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     let transparency = transparency.and_then(|text| text.parse::<f64>().ok());
     let factor = (material.dissolve).or(transparency.map(|transparency| 1.0 - transparency));
     let factor = factor.unwrap_or(1.0);
-    let name = |map: &Option<String>| map.as_deref().and_then(image_name).map(str::to_owned);
+    let image = |map: &Option<String>| map.as_deref().and_then(MtlImage::parse);
     MtlMaterial {
-        texture: name(&material.diffuse_texture),
-        opacity: name(&material.dissolve_texture),
+        texture: image(&material.diffuse_texture),
+        opacity: image(&material.dissolve_texture),
         material: Material {
             opacity: match factor < 1.0 {
                 true => Opacity::Blend(Alpha {
@@ -215,30 +233,6 @@ fn diffuse(text: &str) -> Option<[f64; 3]> {
     }
 }
 
-/// The file name after the options of a texture map, as in `-s 1 1 1 wood.png`.
-fn image_name(text: &str) -> Option<&str> {
-    let mut rest = text.trim();
-    while rest.starts_with('-') {
-        let (option, mut after) = rest.split_once(char::is_whitespace)?;
-        // `-o`, `-s` and `-t` have up to three numbers.
-        let (least, most) = match option {
-            "-o" | "-s" | "-t" => (1, 3),
-            "-mm" => (2, 2),
-            _ => (1, 1),
-        };
-        for taken in 0..most {
-            after = after.trim_start();
-            let (value, next) = after.split_once(char::is_whitespace)?;
-            if taken >= least && value.parse::<f64>().is_err() {
-                break;
-            }
-            after = next;
-        }
-        rest = after.trim_start();
-    }
-    (!rest.is_empty()).then_some(rest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -262,7 +256,8 @@ mod tests {
                 ("plain", Color::DEFAULT)
             ]
         );
-        assert_eq!(materials[2].texture.as_deref(), Some("my wood.png"));
+        let image = materials[2].texture.as_ref().expect("an image");
+        assert_eq!(image.name, "my wood.png");
         assert_eq!(unused, Unused::from([("options of map_Kd".to_owned(), 1)]));
         assert!(warnings.is_empty(), "{warnings:?}");
     }

@@ -4,7 +4,7 @@ use super::{Obj, read};
 use crate::formats::error::FormatError;
 use crate::formats::held::Held;
 use crate::formats::limits::Budget;
-use crate::scene::{Alpha, Color, Opacity, Texture};
+use crate::scene::{Alpha, Color, Opacity, Texture, Wrap};
 use glam::{DVec3, Vec2, Vec3};
 use std::cell::RefCell;
 use std::path::Path;
@@ -116,6 +116,52 @@ fn of_materials_with_one_name_the_last_counts() {
     let number = obj.mesh.material_of_triangle[0] as usize;
     assert_eq!(obj.mesh.materials[number].color, Color([0, 0, 255]));
     assert_eq!(obj.texture.as_deref(), Some(Path::new("b.png")));
+}
+
+/// Options that move an image move the coordinates of its material's faces; one that is not repeated is the material's
+/// own, also where all faces have it.
+#[test]
+fn images_lie_as_their_options_say() {
+    let library = "newmtl plain\nmap_Kd a.ppm\nnewmtl moved\nmap_Kd -s 2 2 -o 0 1 a.ppm\n\
+        newmtl once\nmap_Kd -clamp on a.ppm\n";
+    let budget = Budget::default();
+    let resolve = |name: &str| match name {
+        "a.mtl" => Some(library.into()),
+        "a.ppm" => Some(b"P6 1 1 255 \x01\x02\x03".to_vec()),
+        _ => None,
+    };
+    let files = Held::new(&resolve, &budget);
+    let read_with = |[first, second]: [&str; 2]| {
+        let text = format!(
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 0.5\n\
+             usemtl {first}\nf 1/1 2/2 3/3\nusemtl {second}\nf 3/3 2/2 1/1\n"
+        );
+        read(Path::new("a.obj"), text.as_bytes(), &files, &|_| ()).expect("a good file")
+    };
+    let obj = read_with(["plain", "moved"]);
+    assert_eq!(obj.texture.as_deref(), Some(Path::new("a.ppm")));
+    let uvs = obj.mesh.uvs.expect("coordinates");
+    let indices = uvs.indices.expect("of corners");
+    let of = |triangle: usize| indices[triangle].map(|index| uvs.values[index as usize].to_array());
+    assert_eq!(of(0), [[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]]);
+    assert_eq!(of(1), [[0.0, 2.0], [2.0, 1.0], [0.0, 1.0]]);
+    assert!(obj.notes.is_empty() && obj.warnings.is_empty());
+
+    let obj = read_with(["once", "once"]);
+    assert_eq!(obj.texture, None);
+    let number = obj.mesh.material_of_triangle[0] as usize;
+    let texture = obj.mesh.materials[number].texture.as_ref();
+    assert_eq!(
+        texture.map(|texture| texture.wrap()),
+        Some([Wrap::Clamp; 2])
+    );
+    let obj = read_with(["plain", "once"]);
+    let wraps = obj.mesh.material_of_triangle.iter().map(|&number| {
+        let texture = obj.mesh.materials[number as usize].texture.as_ref();
+        texture.expect("an image").wrap()
+    });
+    let wraps: Vec<_> = wraps.collect();
+    assert_eq!(wraps, [[Wrap::Repeat; 2], [Wrap::Clamp; 2]]);
 }
 
 /// Where not all faces share an image, each material of a face has its own; each file is read once.
