@@ -1,6 +1,6 @@
 use super::Progress;
 use super::error::FormatError;
-use super::files::{Contents, Files, Filling, NamedBy, Opened, absolute};
+use super::files::{Contents, Files, Filling, NamedBy, OpenedFiles, absolute};
 use super::limits::Budget;
 use std::fs::File;
 use std::io::{self, Read};
@@ -9,14 +9,14 @@ use std::path::{Component, Path, PathBuf};
 /// The file system, as the files of one scene are read from it.
 pub(super) struct Disk<'b> {
     budget: &'b Budget,
-    opened: Opened,
+    opened: OpenedFiles,
 }
 
 impl<'b> Disk<'b> {
     pub(super) fn new(budget: &'b Budget) -> Self {
         Self {
             budget,
-            opened: Opened::default(),
+            opened: OpenedFiles::default(),
         }
     }
 

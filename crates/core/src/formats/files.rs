@@ -158,9 +158,9 @@ impl<'b> Filling<'b> {
 
 /// The files that were opened or named, each once, in order.
 #[derive(Default)]
-pub(super) struct Opened(RefCell<(Vec<PathBuf>, HashSet<PathBuf>)>);
+pub(super) struct OpenedFiles(RefCell<(Vec<PathBuf>, HashSet<PathBuf>)>);
 
-impl Opened {
+impl OpenedFiles {
     pub(super) fn add(&self, path: PathBuf) {
         let (paths, known) = &mut *self.0.borrow_mut();
         if known.insert(path.clone()) {

@@ -1,6 +1,6 @@
 use super::Progress;
 use super::error::FormatError;
-use super::files::{Contents, Files, NamedBy, Opened};
+use super::files::{Contents, Files, NamedBy, OpenedFiles};
 use super::limits::Budget;
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -10,7 +10,7 @@ pub(super) struct Held<'a> {
     /// Maps a relative path, with `/` between its parts, to bytes.
     resolve: &'a dyn Fn(&str) -> Option<Vec<u8>>,
     budget: &'a Budget,
-    opened: Opened,
+    opened: OpenedFiles,
 }
 
 impl<'a> Held<'a> {
@@ -18,7 +18,7 @@ impl<'a> Held<'a> {
         Self {
             resolve,
             budget,
-            opened: Opened::default(),
+            opened: OpenedFiles::default(),
         }
     }
 

@@ -81,7 +81,7 @@ const PLACE_RANGE: f64 = 1e30;
 
 /// Projects triangles into a packet.
 #[derive(Clone, Debug)]
-pub(crate) struct Projector {
+pub(crate) struct CornerProjector {
     perspective: bool,
     pub(super) cull: Cull,
     /// The point that corners are relative to, as the sum of two numbers.
@@ -119,7 +119,7 @@ pub(crate) struct ProjectedTriangles {
     pub(crate) coverage: SmallCoverage,
 }
 
-impl Projector {
+impl CornerProjector {
     /// Tightest for triangles about as deep as `depth`; correct for all.
     pub(crate) fn new(space: &PacketSpace, depth: f32) -> Self {
         let length = |row: DVec3| row.abs().element_sum();

@@ -2,7 +2,7 @@
 //! that hits, and decided coverage is right.
 
 use super::params::SIDE;
-use super::ray_bounds::{ProjectedTriangles, Projector};
+use super::ray_bounds::{CornerProjector, ProjectedTriangles};
 use super::setup::PacketSpace;
 use super::setup_tests::{camera, lanes_of, space, triangle_at_ray};
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
@@ -28,7 +28,7 @@ fn check(projection: Projection, pitch: f64, tree_origin: DVec3, depth: f32, tal
     for round in 0..1500 {
         let camera = camera(&mut random, tree_origin, projection, pitch);
         let cull = [Cull::None, Cull::Back][round % 2];
-        let projector = Projector::new(&space(&camera, tree_origin, cull), depth);
+        let projector = CornerProjector::new(&space(&camera, tree_origin, cull), depth);
         let triangles: [([Vec3; 3], (usize, usize)); LANES] = std::array::from_fn(|_| {
             let size = pitch * [0.2, 1.0, 2.0, 12.0][(random.unit() * 4.0) as usize];
             triangle_at_ray(&mut random, &camera, tree_origin, size)
@@ -47,7 +47,7 @@ fn check(projection: Projection, pitch: f64, tree_origin: DVec3, depth: f32, tal
 /// Projects eight triangles, and checks each at a ray of the packet that begins so many pixels right of and below a
 /// camera's first.
 fn check_eight(
-    projector: &Projector,
+    projector: &CornerProjector,
     (camera, first): (&Camera, u32),
     tree_origin: DVec3,
     cull: Cull,
@@ -135,7 +135,8 @@ fn nearby_triangles_at_the_rim_of_a_wide_picture_keep_the_rays_that_hit_them() {
         let first = (32.5, 32.5);
         let space = PacketSpace::new(&camera, eye, 0.0, first, 1.0, size, Cull::None);
         let near = 0.01 * math::pow(10.0, random.unit());
-        let projector = Projector::new(&space, (near * (300.0 + 600.0 * random.unit())) as f32);
+        let projector =
+            CornerProjector::new(&space, (near * (300.0 + 600.0 * random.unit())) as f32);
         let triangles = std::array::from_fn(|_| {
             let [x, y] = [(); 2].map(|()| 20 + (random.unit() * 12.0) as usize);
             let ray = camera.ray(x as f64 + 32.5, y as f64 + 32.5);
@@ -179,7 +180,7 @@ fn triangles_within_rounding_of_the_eyes_plane_are_not_behind() {
         let plane = ImagePlane::new(32, 32, 0.2).expect("a good plane");
         let pose = Pose::towards(eye, eye + way);
         let camera = Camera::new(pose, projection, plane);
-        let projector = Projector::new(&space(&camera, DVec3::ZERO, Cull::None), 1.0);
+        let projector = CornerProjector::new(&space(&camera, DVec3::ZERO, Cull::None), 1.0);
         let triangles = std::array::from_fn(|_| {
             let [x, y] = [(); 2].map(|()| (random.unit() * 32.0) as usize);
             let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
@@ -228,7 +229,7 @@ fn rays_beside_their_places_are_within_the_bounds() {
         let triangles: [_; LANES] = std::array::from_fn(|_| aimed());
         let corners = lanes_of(triangles.map(|(corners, ..)| corners));
         let mut projected = ProjectedTriangles::NONE;
-        Projector::new(&space, 5.0).project(Plain, &corners, LANES, &mut projected);
+        CornerProjector::new(&space, 5.0).project(Plain, &corners, LANES, &mut projected);
         for (l, (corners, ray, [x, y])) in triangles.into_iter().enumerate() {
             let triangle = OffsetTriangle {
                 corners,

@@ -16,7 +16,7 @@ use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
 use super::params::ROW;
 use super::places::TANGENT_ERROR;
-use super::ray_bounds::{ProjectedTriangles, Projector};
+use super::ray_bounds::{CornerProjector, ProjectedTriangles};
 use super::ray_box::RayBox;
 use super::ray_rect::RayRect;
 use super::setup::PacketSpace;
@@ -28,7 +28,7 @@ use crate::num::simd::{F32x8, LANES, Lanes};
 use crate::ray::relative_origin;
 use crate::triangle::CornerLanes;
 use crate::triangle::clip::{Clip, Kept};
-use descent::{Descent, Limits, SmallBoxes};
+use descent::{DepthLimits, Descent, SmallBoxes};
 use entry_points::EntryPair;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -211,7 +211,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         'packet: loop {
             let space = self.space(packet, cull);
             let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
-            let projector = Projector::new(&space, nearest);
+            let projector = CornerProjector::new(&space, nearest);
             let mut descent = Descent::new(self.frustum(packet), SmallBoxes::new(self.lattice));
             let mut projected = ProjectedTriangles::NONE;
             let mut begun = false;
@@ -517,10 +517,10 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
 
     /// How far boxes may begin without being occluded.
     #[inline(always)]
-    fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> Limits {
+    fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> DepthLimits {
         let (least, most) = zbuffer.hi_z(lanes);
         let projection = self.lattice.camera.projection();
-        Limits {
+        DepthLimits {
             furthest: self.reference.furthest(projection, least),
             nearest_cell: self.reference.furthest(projection, most),
         }

@@ -21,7 +21,7 @@
 use super::lane_math::{Three, least, most};
 use super::params::{SIDE, SMALL_SIDE};
 use super::place_box::PlaceBox;
-use super::ray_bounds::Projector;
+use super::ray_bounds::CornerProjector;
 use super::setup::place_bounds::PlaceBounds;
 use super::small_triangles::{DEPTH_KEY_ERROR, MAX_AREA_ERROR};
 use crate::hit::Cull;
@@ -107,7 +107,7 @@ impl TrianglesAtPlaces {
     pub(super) fn project<L: Lanes>(
         &mut self,
         lanes: L,
-        projector: &Projector,
+        projector: &CornerProjector,
         corners: &CornerLanes,
         count: usize,
         around: &PlaceBox,

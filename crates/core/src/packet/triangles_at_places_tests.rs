@@ -1,7 +1,7 @@
 //! Triangles projected into packets of panoramas, at rays that their edges and corners lie on, against exact arithmetic.
 
 use super::place_box::PlaceBox;
-use super::ray_bounds::Projector;
+use super::ray_bounds::CornerProjector;
 use super::setup_tests::{camera, lanes_of, space};
 use super::triangles_at_places::{SmallTriangle, TrianglesAtPlaces};
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
@@ -57,7 +57,7 @@ fn values(triangle: &SmallTriangle<'_>, [x, y]: [f32; 2]) -> ([f32; 3], f32) {
 /// What triangles are projected into.
 struct Packet {
     camera: Camera,
-    projector: Projector,
+    projector: CornerProjector,
     tree_origin: DVec3,
     cull: Cull,
     /// How many columns and rows beside their places rays may be.
@@ -138,7 +138,7 @@ fn check(pitch: f64, tree_origin: DVec3, depth: f32, tally: &mut Tally) {
         let cull = [Cull::None, Cull::Back][round % 2];
         let packet = Packet {
             camera,
-            projector: Projector::new(&space(&camera, tree_origin, cull), depth),
+            projector: CornerProjector::new(&space(&camera, tree_origin, cull), depth),
             tree_origin,
             cull,
             ray_error: 0.0,
@@ -180,7 +180,7 @@ fn rays_beside_their_places_are_within_the_bounds_of_triangles_at_places() {
             std::array::from_fn(|_| aimed(&mut random, &camera, DVec3::ZERO, 2e-3));
         let packet = Packet {
             camera,
-            projector: Projector::new(&space, 5.0),
+            projector: CornerProjector::new(&space, 5.0),
             tree_origin: DVec3::ZERO,
             cull: Cull::None,
             ray_error: space.ray_error,
@@ -206,7 +206,7 @@ fn nearby_triangles_of_a_wide_packet_keep_the_rays_that_hit_them() {
         let depth = (near * (3.0 + 600.0 * random.unit())) as f32;
         let packet = Packet {
             camera,
-            projector: Projector::new(&space, depth),
+            projector: CornerProjector::new(&space, depth),
             tree_origin: DVec3::ZERO,
             cull: Cull::None,
             ray_error: 0.0,

@@ -57,7 +57,7 @@ impl<W: Write> AnimatedPng<W> {
             return Err(ImageError::Encode("its frames differ in size".to_owned()));
         }
         self.left = (self.left.checked_sub(1))
-            .ok_or_else(|| ImageError::Encode("it has more frames than it tells".to_owned()))?;
+            .ok_or_else(|| ImageError::Encode("it has more frames than it declares".to_owned()))?;
         if self.is_opaque {
             let mut rgb: Vec<u8> = super::buffers::reserved(picture.pixels.len() * 3)?;
             rgb.extend(picture.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]));
@@ -75,7 +75,7 @@ impl<W: Write> AnimatedPng<W> {
     pub fn finish(self) -> Result<(), ImageError> {
         if self.left > 0 {
             return Err(ImageError::Encode(
-                "it has fewer frames than it tells".to_owned(),
+                "it has fewer frames than it declares".to_owned(),
             ));
         }
         self.writer.finish().map_err(failed)

@@ -13,7 +13,7 @@ pub enum ImageError {
     #[error("an EXR needs the picture's layers, and this picture was made without them")]
     NoLayers,
     /// A format that cannot store a fragment's position.
-    #[error("fragments are PNG or EXR: other kinds of image cannot tell where a tile belongs")]
+    #[error("fragments are PNG or EXR: other kinds of image cannot say where a tile belongs")]
     NotForFragments,
     /// A picture whose lists have wrong lengths, or with a side that the format cannot hold.
     #[error("the image could not be encoded: {0}")]

@@ -108,7 +108,7 @@ impl<R: Read + Seek> Reader<R> {
         let height = self.block.1.min(rows - self.next.min(rows));
         if height == 0 {
             return Err(ImageError::Decode(
-                "it has fewer rows than it tells".to_owned(),
+                "it has fewer rows than it declares".to_owned(),
             ));
         }
         let mut picture = Picture::try_blank(columns, height, true)?;
@@ -277,7 +277,7 @@ fn position(header: &Header) -> Result<Option<FragmentPosition>, ImageError> {
         && (i64::from(x), i64::from(y)) == (position.rect.x.into(), position.rect.y.into());
     if !agrees {
         return Err(ImageError::Decode(
-            "its windows are not at the position that it tells".to_owned(),
+            "its windows are not at the position that it declares".to_owned(),
         ));
     }
     Ok(Some(position))

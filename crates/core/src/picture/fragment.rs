@@ -6,7 +6,7 @@ use crate::camera::Rect;
 use crate::digest::Digest;
 
 /// What is wrong with a whole picture.
-pub(super) const NO_POSITION: &str = "it does not tell its position in a larger picture";
+pub(super) const NO_POSITION: &str = "it does not say its position in a larger picture";
 
 /// A tile in a file of its own, with all that stitching needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -430,7 +430,7 @@ pub(super) mod tests {
         for format in [Format::Png, Format::Exr] {
             let bytes = picture.encode(format).expect("encodes");
             assert!(
-                message(&bytes).contains("does not tell its position"),
+                message(&bytes).contains("does not say its position"),
                 "{format:?}"
             );
             assert!(message(&bytes[..bytes.len() / 2]).starts_with("file: expected a fragment"));

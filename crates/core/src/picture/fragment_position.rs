@@ -32,7 +32,7 @@ impl FragmentPosition {
         self.check()?;
         match recipe {
             Some(recipe) if recipe.digest() == self.recipe => Ok(()),
-            _ => Err("it does not tell what it was made of as it was written".to_owned()),
+            _ => Err("it does not say what it was made of as it was written".to_owned()),
         }
     }
 

@@ -146,9 +146,9 @@ impl<R: BufRead + Seek> Reader<R> {
         let bytes = width as usize * self.channels;
         for _ in 0..rows {
             let row = self.reader.next_row().map_err(damaged)?;
-            let row = row
-                .filter(|row| row.data().len() == bytes)
-                .ok_or_else(|| ImageError::Decode("it has fewer rows than it tells".to_owned()))?;
+            let row = row.filter(|row| row.data().len() == bytes).ok_or_else(|| {
+                ImageError::Decode("it has fewer rows than it declares".to_owned())
+            })?;
             match self.channels {
                 3 => pixels
                     .extend((row.data().as_chunks().0.iter()).map(|&[r, g, b]| [r, g, b, u8::MAX])),
@@ -175,7 +175,7 @@ fn damaged(error: ::png::DecodingError) -> ImageError {
 
 /// The error for a header with more pixels than the file can hold.
 pub(super) fn too_many() -> ImageError {
-    ImageError::Decode("it tells of more pixels than it can hold".to_owned())
+    ImageError::Decode("it declares more pixels than it can hold".to_owned())
 }
 
 /// Decodes a PNG that [`encode`] made.

@@ -116,7 +116,7 @@ impl<R: Read + Seek> Reader<R> {
         let count = columns as usize * height as usize;
         if count == 0 {
             return Err(ImageError::Decode(
-                "it has fewer rows than it tells".to_owned(),
+                "it has fewer rows than it declares".to_owned(),
             ));
         }
         let across = columns.div_ceil(self.tile.0);

@@ -3,7 +3,7 @@ use super::photographs::Photographs;
 use crate::hit::MISS;
 use crate::scene::Masks;
 use crate::shade::{SEEN, TileShader, Translucent};
-use crate::single::{Clipped, Layers};
+use crate::single::{Clipped, OrderedHits};
 use glam::Vec3;
 
 /// Composites the layers of rays whose closest hit is translucent.
@@ -12,7 +12,7 @@ pub(super) struct Compositor<'s> {
     view: &'s View,
     translucent: &'s Translucent,
     clipped: Clipped<'s>,
-    layers: Layers,
+    layers: OrderedHits,
 }
 
 impl<'s> Compositor<'s> {
@@ -25,7 +25,7 @@ impl<'s> Compositor<'s> {
             view,
             translucent,
             clipped: view.accel.clipped(&view.settings.clip).masked(masks),
-            layers: Layers::default(),
+            layers: OrderedHits::default(),
         }
     }
 

@@ -12,7 +12,7 @@ use crate::shade::Shader;
 use std::sync::{Mutex, PoisonError};
 
 /// The views of the two eyes, and their halves of the picture.
-pub(super) struct Eyes([(View, Rect); 2]);
+pub(super) struct EyeViews([(View, Rect); 2]);
 
 /// The part of a tile in one eye's half.
 #[derive(Clone, Copy)]
@@ -21,7 +21,7 @@ struct EyePart {
     rect: Rect,
 }
 
-impl Eyes {
+impl EyeViews {
     /// `None` for a picture for one eye.
     pub(super) fn from_view(view: &View) -> Option<Self> {
         let halves = view.camera.halves()?;

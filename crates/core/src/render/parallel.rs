@@ -1,7 +1,7 @@
 //! Rendering a view's tiles on many threads.
 
 use super::buffers::Buffers;
-use super::eyes::Eyes;
+use super::eyes::EyeViews;
 use super::job::Job;
 use super::view::{Cancel, Clock, Settings, View};
 use super::workers::{center_first, in_parallel};
@@ -67,7 +67,7 @@ impl View {
         picture: &mut Picture,
     ) -> bool {
         let rect = part.rect;
-        if let Some(eyes) = Eyes::from_view(self) {
+        if let Some(eyes) = EyeViews::from_view(self) {
             let tiles = grid.tiles(rect.width, rect.height);
             return eyes.render_into((self, part), &tiles, (clock, cancel), sink, picture);
         }
@@ -112,7 +112,7 @@ impl View {
     pub fn cast(&self, grid: Grid, detail: Detail) -> TileStats {
         let plane = self.camera.plane();
         let tiles = grid.tiles(plane.columns, plane.rows);
-        if let Some(eyes) = Eyes::from_view(self) {
+        if let Some(eyes) = EyeViews::from_view(self) {
             return eyes.cast(self, &tiles, detail);
         }
         let sum = Mutex::new(TileStats::default());
@@ -133,7 +133,7 @@ impl View {
 
     /// Renders what a sub-camera of the view's camera sees, on this thread.
     pub fn render_sub_camera(&self, sub_camera: SubCamera, clock: Clock<'_>) -> Tile {
-        if let Some(eyes) = Eyes::from_view(self) {
+        if let Some(eyes) = EyeViews::from_view(self) {
             return eyes.render_sub_camera(self, sub_camera.rect, clock);
         }
         let shader = self.shader();
@@ -162,7 +162,7 @@ impl View {
         cancel: &Cancel,
         sink: &(dyn Fn(Pass, Tile) + Sync),
     ) -> bool {
-        if let Some(eyes) = Eyes::from_view(self) {
+        if let Some(eyes) = EyeViews::from_view(self) {
             return eyes.render_progressively(self, tiles, passes, (clock, cancel), sink);
         }
         let plane = self.camera.plane();

@@ -5,6 +5,11 @@ use super::interpolants::{Interpolants, LinearNormal};
 use crate::PrimitiveHit;
 use glam::{DVec3, Vec2, Vec3};
 
+/// The shortest interpolated normal that is used; the triangle's own replaces shorter ones. Each component of a blend of
+/// three unit vectors, with weights of sum one, is off by γ₃ ≤ 3.01u, u = 2⁻²⁴, so the vector by √3·3.01u < 3.2e-7: below
+/// this length a third may be rounding. Opposite normals alone come near it.
+pub(super) const SHORTEST_NORMAL: f32 = 1e-6;
+
 /// What a mode needs of each triangle; nothing else is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Needs {
@@ -155,7 +160,7 @@ impl Facet {
         };
         let normal = blend(normals, u, v);
         let length = normal.length();
-        if !(length > 1e-6 && length.is_finite()) {
+        if !(length > SHORTEST_NORMAL && length.is_finite()) {
             return self.normal;
         }
         let side = if normal.dot(self.normal) < 0.0 {

@@ -22,7 +22,7 @@ use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::{MISS, PrimitiveHit};
 use glam::Vec3;
 use looks::{
-    FlatLight, Greys, Look, NormalColors, OwnColors, SmoothLight, TextureCoordinates, Weights,
+    FlatLight, Greys, Look, NormalColors, OwnColorLook, SmoothLight, TextureCoordinates, Weights,
 };
 use outputs::{Bytes, Light, Out, Unencoded};
 
@@ -286,7 +286,7 @@ impl<'s> Scanline<'_, 's, '_> {
             dispatch(shader.simd(), work);
         }
         match self.colors {
-            RowColors::Own => self.color_by(lanes, &OwnColors, samples, out),
+            RowColors::Own => self.color_by(lanes, &OwnColorLook, samples, out),
             RowColors::Flat => self.color_by(lanes, &FlatLight, samples, out),
             RowColors::Smooth | RowColors::SmoothTextured => {
                 self.color_by(lanes, &SmoothLight, samples, out);

@@ -3,7 +3,7 @@
 //! Each lane computes what [`Shader::color`](super::Shader::color) computes for one sample, operation by operation, so that
 //! the bits are the same.
 
-use super::facet::Facet;
+use super::facet::{Facet, SHORTEST_NORMAL};
 use super::light::{GROUND, Lights, RIM, SKY, Source, WRAP, WRAPPED_KEY};
 use super::vectors::{Row, Vectors};
 use crate::num::simd::{F32x8, Lanes, Mask8};
@@ -71,7 +71,7 @@ impl<L: Lanes> Facets<L> {
         let side = turned.select(zero - length, length);
         let unit = blended.with(Vectors::all(lanes, side), |a, b| a / b);
         let good = zero.lt(self.smooth)
-            & (lanes.splat(1e-6).lt(length) & length.lt(lanes.splat(f32::INFINITY)));
+            & (lanes.splat(SHORTEST_NORMAL).lt(length) & length.lt(lanes.splat(f32::INFINITY)));
         unit.with(self.flat, |unit, flat| good.select(unit, flat))
     }
 }

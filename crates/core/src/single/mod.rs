@@ -1,7 +1,7 @@
 //! Casting single rays: the reference that packets agree with.
 
 mod clipped;
-mod layers;
+mod ordered_hits;
 mod seen;
 mod slab;
 #[cfg(test)]
@@ -14,7 +14,7 @@ use crate::ray::Ray;
 use crate::triangle::clip::Clip;
 use crate::triangle::{BoundedHit, PreparedRay};
 pub use clipped::Clipped;
-pub(crate) use layers::Layers;
+pub(crate) use ordered_hits::OrderedHits;
 pub(crate) use traversal::nearest;
 
 impl Accel {

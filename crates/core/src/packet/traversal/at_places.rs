@@ -11,7 +11,7 @@ use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::ROW;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::Places;
-use crate::packet::ray_bounds::Projector;
+use crate::packet::ray_bounds::CornerProjector;
 use crate::packet::ray_rect::RayRect;
 use crate::packet::setup::PacketSpace;
 use crate::packet::triangles_at_places::TrianglesAtPlaces;
@@ -90,7 +90,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 rows: places.rows_of_rays,
             };
             let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
-            let projector = Projector::new(&space, nearest);
+            let projector = CornerProjector::new(&space, nearest);
             let mut projected = TrianglesAtPlaces::NONE;
             let mut boxes = [PlaceBox::EMPTY; LANES];
             let mut begun = false;
@@ -152,7 +152,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
     fn project_batch(
         &self,
         lanes: impl Lanes,
-        (projector, space): (&Projector, &PacketSpace),
+        (projector, space): (&CornerProjector, &PacketSpace),
         places: &Places,
         projected: &mut TrianglesAtPlaces,
     ) {

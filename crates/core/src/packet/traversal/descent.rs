@@ -19,7 +19,7 @@ const STACK: usize = DEPTH_LIMIT + 3;
 
 /// How far along the view axis a box may begin and still contain a closest hit.
 #[derive(Clone, Copy)]
-pub(super) struct Limits {
+pub(super) struct DepthLimits {
     /// For any ray of the packet.
     pub(super) furthest: f32,
     /// For every ray of some cell: a box beyond it is occluded in at least one cell.
@@ -30,7 +30,7 @@ pub(super) struct Limits {
 pub(super) struct Descent {
     pub(super) frustum: Frustum,
     pub(super) small: SmallBoxes,
-    pub(super) limits: Limits,
+    pub(super) limits: DepthLimits,
     /// The number of nodes so far whose children may be occluded in all cells that they touch.
     pub(super) doubtful: usize,
     /// The frusta of the cells, once they save more than they cost.
@@ -52,7 +52,7 @@ impl Descent {
         Self {
             frustum,
             small,
-            limits: Limits {
+            limits: DepthLimits {
                 furthest: f32::INFINITY,
                 nearest_cell: f32::INFINITY,
             },

@@ -11,9 +11,9 @@ pub(super) trait Look {
     fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L>;
 }
 
-pub(super) struct OwnColors;
+pub(super) struct OwnColorLook;
 
-impl Look for OwnColors {
+impl Look for OwnColorLook {
     #[inline(always)]
     fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         EightSamples::Light(row.vectors(lanes, 3, at))

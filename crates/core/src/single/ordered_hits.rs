@@ -7,17 +7,17 @@ use std::cmp::Ordering;
 /// The most hits that are kept of a ray. It bounds time and memory of a ray through any number of triangles; what
 /// lies behind 256 layers of which each covers a fortieth contributes less than a part in 600. With fewer, faint
 /// layers would be missing; with more, hostile scenes would take longer.
-pub(crate) const LAYERS: usize = 256;
+pub(crate) const MOST_HITS: usize = 256;
 
 /// The hits of a ray, nearest first.
 #[derive(Debug, Default)]
-pub(crate) struct Layers {
+pub(crate) struct OrderedHits {
     hits: Vec<BoundedHit>,
 }
 
-impl Layers {
+impl OrderedHits {
     /// Finds the hits of a ray that are kept, in exact order; equal distances go by object, then triangle. Ends with
-    /// the first hit for which `is_opaque` holds, or with the [`LAYERS`]-th.
+    /// the first hit for which `is_opaque` holds, or with the [`MOST_HITS`]-th.
     pub(crate) fn find(
         &mut self,
         kept: &Clipped<'_>,
@@ -52,10 +52,10 @@ impl Layers {
                 if is_opaque(primitive) {
                     hits.truncate(place + 1);
                     is_closed = true;
-                } else if hits.len() > LAYERS {
-                    hits.truncate(LAYERS);
+                } else if hits.len() > MOST_HITS {
+                    hits.truncate(MOST_HITS);
                 }
-                is_closed |= hits.len() == LAYERS;
+                is_closed |= hits.len() == MOST_HITS;
             }
             match hits.last() {
                 Some(last) if is_closed => *last,
