@@ -66,18 +66,16 @@ fn a_scene_of_several_objects_is_converted_in_its_places() {
     let demo = asset("demo.raycast.toml");
     let obj = folder.path().join("demo.obj");
     let message = convert(&demo, &obj, &[]);
-    assert!(
-        message.errors.contains("not kept: images of"),
-        "{}",
-        message.errors
-    );
-    assert!(names(folder.path()).contains(&OsString::from("demo.mtl")));
+    assert_eq!(message.errors, "");
+    for beside in ["demo.mtl", "demo-1.png"] {
+        assert!(names(folder.path()).contains(&OsString::from(beside)));
+    }
     let ply = folder.path().join("demo.ply");
     convert(&demo, &ply, &[]);
     assert!(picture(&obj) == picture(&ply));
 }
 
-/// Each material of an OBJ shows its image, and a GLB made of it gives the same picture.
+/// Each material of an OBJ shows its image, and a GLB and an OBJ made of it give the same picture.
 #[test]
 fn images_of_materials_are_shown_and_converted() {
     let folder = folder();
@@ -99,9 +97,22 @@ fn images_of_materials_are_shown_and_converted() {
         format!("mtllib three.mtl\n{strips}"),
     );
     let glb = folder.path().join("three.glb");
-    let message = convert(&obj, &glb, &[]);
-    assert_eq!(message.errors, "");
-    for mesh in [&obj, &glb] {
+    let copy = folder.path().join("copy.obj");
+    for to in [&glb, &copy] {
+        assert_eq!(convert(&obj, to, &[]).errors, "");
+    }
+    for beside in ["copy.mtl", "copy-1.png", "copy-2.png"] {
+        assert!(names(folder.path()).contains(&OsString::from(beside)));
+    }
+    // An image that is there without the mesh that it goes with is somebody else's.
+    let other = write(folder.path(), "other-1.png", "somebody's");
+    let line = refuse(
+        1,
+        arguments!["convert", &obj, "-o", folder.path().join("other.obj")],
+    );
+    assert!(line.contains("other-1.png"), "{line}");
+    assert_eq!(bytes(&other), b"somebody's");
+    for mesh in [&obj, &glb, &copy] {
         let picture = folder.path().join("a.ppm");
         let mut arguments = arguments!["render", mesh, "-o", &picture];
         let camera =

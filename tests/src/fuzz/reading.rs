@@ -61,7 +61,9 @@ pub fn with_windows_lines(bytes: &[u8]) -> Option<Vec<u8>> {
     let is_utf_16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     // A prepared mesh's signature has line ends, so that a transfer as text is found out.
     let is_prepared = bytes.starts_with(b"\x89RAYCAST");
-    if !bytes.contains(&b'\n') || bytes.contains(&0) || is_utf_16 || is_prepared {
+    let is_packed = bytes.starts_with(b"\x1f\x8b") || bytes.starts_with(b"\x28\xb5\x2f\xfd");
+    let is_text = !(is_utf_16 || is_prepared || is_packed);
+    if !bytes.contains(&b'\n') || bytes.contains(&0) || !is_text {
         return None;
     }
     let mut windows = Vec::with_capacity(bytes.len() + bytes.len() / 8);

@@ -56,7 +56,7 @@ pub use ray_file::{HIT_BYTES, RAY_BYTES, decode_ray, encode_hit};
 pub use scene_file::{CameraFile, FileKind, ImageSettings, SceneFile, ShadingFile};
 pub use scene_write::SaveError;
 pub use section_drawing::{DrawingFormat, write_section};
-pub use write::{MeshFormat, WriteError, Written, write_materials, write_meshes};
+pub use write::{MaterialLibrary, MeshFormat, WriteError, Written, write_meshes};
 
 use crate::scene::{Mesh, Scene, Texture};
 use disk::Disk;

@@ -3,10 +3,10 @@ use crate::cli::ConvertArgs;
 use crate::output::{Output, Unfinished};
 use crate::progress::TerminalProgress;
 use crate::setup;
-use raycast_core::formats::{self, MeshFormat, SceneFile, WriteError, Written};
+use raycast_core::formats::{self, MaterialLibrary, MeshFormat, SceneFile, WriteError, Written};
 use raycast_core::scene::Scene;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes the meshes of files in another format.
 pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
@@ -22,8 +22,6 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let mut inputs: Vec<&Path> = args.files.iter().map(AsRef::as_ref).collect();
     let output = Output::at(&args.output, &inputs)?;
     inputs.push(&args.output);
-    // An OBJ's materials are in a file of their own beside it.
-    let library = (format == MeshFormat::Obj).then(|| args.output.with_extension("mtl"));
 
     let progress = TerminalProgress::new();
     progress.loading();
@@ -34,28 +32,21 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         ..
     } = setup::load(&args.files, &args.reading, &|share| progress.loaded(share))?;
     output.check_against(&opened)?;
-    let library = match &library {
-        Some(path) if has_materials(&scene) => {
-            let place = output.beside(path, &inputs)?;
-            place.check_against(&opened)?;
-            Some((path, place))
-        }
+    // An OBJ's materials are in a file of their own beside it, and so are their images.
+    let library = match format {
+        MeshFormat::Obj => Library::beside(&args.output, &output, &scene, (&inputs, &opened))?,
         _ => None,
     };
     progress.clear();
     for warning in &warnings {
         warn(warning);
     }
-    let library_name = library.as_ref().and_then(|(path, _)| path.file_name());
-    let library_name = library_name.map(|name| name.to_string_lossy());
-
+    let named = library.as_ref().map(Library::named);
     let (mesh_file, written) = write(&args.output, &output, |out| {
-        formats::write_meshes(&scene, format, library_name.as_deref(), out)
+        formats::write_meshes(&scene, format, named, out)
     })?;
-    if let Some((path, place)) = &library {
-        let (file, _) = write(path, place, |out| {
-            Ok(formats::write_materials(&scene, out)?)
-        })?;
+    let beside = library.map(|library| library.write()).transpose()?;
+    for file in beside.into_iter().flatten() {
         file.finish()?;
     }
     mesh_file.finish()?;
@@ -63,11 +54,64 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn has_materials(scene: &Scene) -> bool {
-    scene
-        .objects
-        .iter()
-        .any(|object| !object.mesh.materials().is_empty())
+/// The files beside an OBJ, and where they are written.
+struct Library {
+    name: String,
+    materials: MaterialLibrary,
+    /// The library's file, and those of its images.
+    outputs: Vec<(PathBuf, Output)>,
+}
+
+impl Library {
+    /// `None` where the scene has neither materials nor images. `read` are the files of the command line and all that
+    /// were opened: none of them is replaced.
+    fn beside(
+        mesh: &Path,
+        output: &Output,
+        scene: &Scene,
+        (inputs, opened): (&[&Path], &[PathBuf]),
+    ) -> Result<Option<Self>, Failure> {
+        let stem = mesh.file_stem().unwrap_or_default().to_string_lossy();
+        let materials = MaterialLibrary::new(scene, &stem).map_err(|error| {
+            Failure::could_not(format!("{}: cannot be written: {error}", mesh.display()))
+        })?;
+        if materials.is_empty() {
+            return Ok(None);
+        }
+        let library = mesh.with_extension("mtl");
+        let images = materials.images.iter();
+        let images = images.map(|(name, _)| mesh.with_file_name(name));
+        let outputs = std::iter::once(library.clone()).chain(images).map(|path| {
+            let place = output.beside(&path, inputs)?;
+            place.check_against(opened)?;
+            Ok((path, place))
+        });
+        let outputs = outputs.collect::<Result<_, Failure>>()?;
+        let name = library.file_name().unwrap_or_default();
+        Ok(Some(Self {
+            name: name.to_string_lossy().into_owned(),
+            materials,
+            outputs,
+        }))
+    }
+
+    /// The library with the name by which the mesh refers to it.
+    fn named(&self) -> (&str, &MaterialLibrary) {
+        (&self.name, &self.materials)
+    }
+
+    /// The part files.
+    fn write(&self) -> Result<Vec<Unfinished>, Failure> {
+        let images = self.materials.images.iter();
+        let contents = std::iter::once(self.materials.text.as_bytes())
+            .chain(images.map(|(_, bytes)| bytes.as_slice()));
+        let files = self.outputs.iter().zip(contents);
+        let file = |((path, place), bytes): (&(PathBuf, Output), &[u8])| {
+            let (file, ()) = write(path, place, |out| Ok(out.write_all(bytes)?))?;
+            Ok(file)
+        };
+        files.map(file).collect()
+    }
 }
 
 /// A part file, and the result of `write`.

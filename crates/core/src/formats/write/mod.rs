@@ -2,6 +2,7 @@
 
 mod glb;
 mod glb_materials;
+mod mtl;
 mod obj;
 mod parts;
 mod ply;
@@ -10,8 +11,9 @@ mod triangle_text;
 mod written;
 
 use crate::scene::{Material, Object, Scene};
+pub use mtl::MaterialLibrary;
 use parts::Parts;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 pub use written::{WriteError, Written};
 
@@ -53,7 +55,7 @@ impl MeshFormat {
 }
 
 /// Writes the meshes of a scene in world space, object by object in order. `library` is the name by which an OBJ
-/// refers to the file of [`write_materials`]; without it the OBJ has no materials.
+/// refers to the file of a [`MaterialLibrary`] of the same scene, and this; without it the OBJ has no materials.
 ///
 /// A file that is read again has the same triangles in the same order, with the same corners where the format's
 /// numbers can represent them; decimals of text are the shortest that read back as the same number.
@@ -63,7 +65,7 @@ impl MeshFormat {
 pub fn write_meshes(
     scene: &Scene,
     format: MeshFormat,
-    library: Option<&str>,
+    library: Option<(&str, &MaterialLibrary)>,
     out: &mut dyn Write,
 ) -> Result<Written, WriteError> {
     let parts = Parts::new(scene)?;
@@ -80,7 +82,12 @@ pub fn write_meshes(
         .iter()
         .filter(|object| has_image(object))
         .count();
-    if textured > 0 && format != MeshFormat::Glb {
+    let has_images = match format {
+        MeshFormat::Glb => true,
+        MeshFormat::Obj => library.is_some(),
+        _ => false,
+    };
+    if textured > 0 && !has_images {
         written.lost.push(format!("images of {textured} objects"));
     }
     let mut objects = scene.objects.iter();
@@ -106,14 +113,7 @@ fn has_image(object: &Object) -> bool {
     object.texture.is_some() || materials.any(has_image)
 }
 
-/// Writes the material library (MTL) for what [`write_meshes`] writes as OBJ; returns whether there are any
-/// materials.
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_materials(scene: &Scene, out: &mut dyn Write) -> io::Result<bool> {
-    obj::write_library(scene, out)
-}
-
+#[cfg(test)]
+mod material_tests;
 #[cfg(test)]
 mod tests;

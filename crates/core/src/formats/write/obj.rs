@@ -1,25 +1,26 @@
+use super::mtl::{MaterialLibrary, unit_channel};
 use super::parts::{Parts, Shortest, one_line};
 use super::written::{WriteError, Written};
-use crate::scene::{Color, Scene};
-use std::collections::HashMap;
-use std::io::{self, Write};
+use crate::scene::Color;
+use std::io::Write;
 
 /// Writes OBJ: an `o` for each object, colours after the vertices' coordinates, and materials by name.
 pub(super) fn write(
     parts: &Parts<'_>,
-    library: Option<&str>,
+    library: Option<(&str, &MaterialLibrary)>,
     out: &mut dyn Write,
     written: &mut Written,
 ) -> Result<(), WriteError> {
-    let meshes = parts.parts.iter().map(|part| part.mesh);
-    let names = Names::new(meshes.map(|mesh| mesh.materials()));
-    let has_materials = names.are_any();
-    let library = library.filter(|_| has_materials);
+    let has_materials = parts.has(|part| !part.mesh.materials().is_empty());
     match library {
-        Some(library) => writeln!(out, "mtllib {}", one_line(library))?,
+        Some((name, library)) if !library.is_empty() => {
+            writeln!(out, "mtllib {}", one_line(name))?;
+            written.lost.extend(library.lost.iter().cloned());
+        }
         None if has_materials => written.lost.push("materials".to_owned()),
-        None => {}
+        _ => {}
     }
+    let library = library.filter(|(_, library)| !library.is_empty());
     // The numbers of vertices, texture coordinates and normals written so far.
     let mut above = [0; 3];
     let mut last_material = None;
@@ -52,9 +53,9 @@ pub(super) fn write(
         ];
         let materials = part.mesh.material_of_triangle();
         for (index, &triangle) in part.triangles.iter().enumerate() {
-            if library.is_some() {
+            if let Some((_, library)) = library {
                 let material = materials.get(index).copied();
-                let name = names.material_name(number, material);
+                let name = library.name(number, material);
                 if last_material != Some(name) {
                     writeln!(out, "usemtl {name}")?;
                     last_material = Some(name);
@@ -93,74 +94,4 @@ pub(super) fn write(
     }
     parts.count_moves(written, |_, position| position);
     Ok(())
-}
-
-/// Writes the library of the materials; returns whether there are any.
-pub(super) fn write_library(scene: &Scene, out: &mut dyn Write) -> io::Result<bool> {
-    let names = Names::new(scene.objects.iter().map(|object| object.mesh.materials()));
-    for (name, Color(channels)) in &names.all {
-        let [r, g, b] = channels.map(unit_channel);
-        writeln!(out, "newmtl {name}\nKd {r} {g} {b}")?;
-    }
-    Ok(names.are_any())
-}
-
-/// A channel from 0 to 1, with enough digits to restore eight bits.
-fn unit_channel(channel: u8) -> Shortest<f64> {
-    Shortest((f64::from(channel) / 255.0 * 1e4).round() / 1e4)
-}
-
-/// The materials of all objects, with unique names.
-struct Names {
-    /// Each material once; the first is that of triangles without a material.
-    all: Vec<(String, Color)>,
-    /// For each object, the indices of its materials.
-    of_objects: Vec<Vec<usize>>,
-}
-
-impl Names {
-    fn new<'m>(objects: impl Iterator<Item = &'m [crate::scene::Material]>) -> Self {
-        let mut all = vec![("none".to_owned(), Color::DEFAULT)];
-        let mut known: HashMap<(String, Color), usize> = HashMap::from([(all[0].clone(), 0)]);
-        let mut taken: HashMap<String, usize> = HashMap::from([(all[0].0.clone(), 1)]);
-        let of_objects = objects
-            .map(|materials| {
-                let number = |material: &crate::scene::Material| {
-                    let wanted = match one_line(&material.name) {
-                        name if name.is_empty() => "unnamed".to_owned(),
-                        name => name,
-                    };
-                    let key = (wanted.clone(), material.color);
-                    if let Some(&number) = known.get(&key) {
-                        return number;
-                    }
-                    let mut name = wanted.clone();
-                    while taken.contains_key(&name) {
-                        let count = taken.entry(wanted.clone()).or_default();
-                        *count += 1;
-                        name = format!("{wanted} {count}");
-                    }
-                    taken.insert(name.clone(), 1);
-                    all.push((name, material.color));
-                    known.insert(key, all.len() - 1);
-                    all.len() - 1
-                };
-                materials.iter().map(number).collect()
-            })
-            .collect();
-        Self { all, of_objects }
-    }
-
-    fn are_any(&self) -> bool {
-        self.of_objects
-            .iter()
-            .any(|materials| !materials.is_empty())
-    }
-
-    /// The name of an object's material, or of no material.
-    fn material_name(&self, object: usize, material: Option<u32>) -> &str {
-        let materials = &self.of_objects[object];
-        let number = material.and_then(|material| materials.get(material as usize));
-        &self.all[number.copied().unwrap_or(0)].0
-    }
 }

@@ -5,8 +5,7 @@ use crate::formats::limits::Budget;
 use crate::formats::mesh_file;
 use crate::render::Cancel;
 use crate::scene::{
-    Alpha, Attribute, Color, Material, Mesh, MeshData, Object, Opacity, Reflectance, Scalar,
-    ScalarAt, Shape, Texture, TextureProjection, Transform, UpAxis, Wrap,
+    Attribute, Color, Material, Mesh, MeshData, Object, Scalar, ScalarAt, Shape, Transform, UpAxis,
 };
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
@@ -23,7 +22,7 @@ const READ: [(&str, MeshFormat); 6] = [
     ("a.txt", MeshFormat::TriangleText),
 ];
 
-fn scene(meshes: impl IntoIterator<Item = MeshData>) -> Scene {
+pub(super) fn scene(meshes: impl IntoIterator<Item = MeshData>) -> Scene {
     let objects = meshes
         .into_iter()
         .enumerate()
@@ -33,20 +32,37 @@ fn scene(meshes: impl IntoIterator<Item = MeshData>) -> Scene {
     }
 }
 
-fn bytes(scene: &Scene, format: MeshFormat) -> (Vec<u8>, Written) {
+pub(super) fn bytes(scene: &Scene, format: MeshFormat) -> (Vec<u8>, Written) {
     let mut bytes = Vec::new();
-    let written = write_meshes(scene, format, Some("a.mtl"), &mut bytes).expect("it is written");
+    let library = library(scene);
+    let named = Some(("a.mtl", &library));
+    let written = write_meshes(scene, format, named, &mut bytes).expect("it is written");
     (bytes, written)
 }
 
-fn read(scene: &Scene, name: &str, bytes: &[u8]) -> Mesh {
-    let mut library = Vec::new();
-    write_materials(scene, &mut library).expect("a list takes all");
-    let resolve = |name: &str| (name == "a.mtl").then(|| library.clone());
+pub(super) fn library(scene: &Scene) -> MaterialLibrary {
+    MaterialLibrary::new(scene, "an image").expect("a list takes all")
+}
+
+pub(super) fn read_all(scene: &Scene, name: &str, bytes: &[u8]) -> mesh_file::MeshFile {
+    let library = library(scene);
+    let resolve = |name: &str| {
+        let mut images = library.images.iter();
+        match name {
+            "a.mtl" => Some(library.text.clone().into_bytes()),
+            name => images
+                .find(|(known, _)| known == name)
+                .map(|(_, png)| png.clone()),
+        }
+    };
     let budget = Budget::default();
     let files = Held::new(&resolve, &budget);
     let up_axis = UpAxis::default();
-    let read = mesh_file::read(Path::new(name), bytes, &files, up_axis, &|_| ()).expect(name);
+    mesh_file::read(Path::new(name), bytes, &files, up_axis, &|_| ()).expect(name)
+}
+
+fn read(scene: &Scene, name: &str, bytes: &[u8]) -> Mesh {
+    let read = read_all(scene, name, bytes);
     let text = String::from_utf8_lossy(bytes);
     assert_eq!(read.warnings, [""; 0], "{name}: {text}");
     let [object] = &read.objects[..] else {
@@ -66,7 +82,7 @@ fn corners(mesh: &Mesh, number: u32) -> [[u64; 3]; 3] {
 }
 
 /// Single-precision coordinates over several decades, with every attribute that a mesh may have.
-fn rich() -> MeshData {
+pub(super) fn rich() -> MeshData {
     let places: [[f32; 3]; 5] = [
         [0.1, -0.0, 3e-9],
         [1.0, 0.2, 0.3],
@@ -382,98 +398,6 @@ fn materials_with_equal_names_get_unique_names() {
         [1, 5].map(color),
         [Some(Color([254, 128, 7])), Some(Color([9; 3]))]
     );
-}
-
-/// Images of materials and objects are written into a GLB, each once, and come back texel for texel.
-#[test]
-fn a_glb_has_the_images_of_materials_and_objects() {
-    let image = |texels: [[u8; 4]; 2], wrap| {
-        let texture = Texture::new(2, 1, texels.to_vec()).expect("two texels");
-        Arc::new(texture.wrapped([wrap; 2]))
-    };
-    let opaque = image([[9, 8, 7, 255], [255, 0, 1, 255]], Wrap::Mirror);
-    let translucent = image([[200, 200, 200, 0], [10, 20, 30, 255]], Wrap::Repeat);
-    let holes = image([[3, 3, 3, 255], [3, 3, 3, 0]], Wrap::Mirror);
-    let mut data = rich();
-    let base = data.materials[1].color;
-    let mask = |image: &Arc<Texture>| Opacity::Mask {
-        alpha: Alpha {
-            factor: 1.0,
-            image: Some(Arc::clone(image)),
-        },
-        cutoff: 0.25,
-    };
-    data.materials[0].texture = Some(Arc::clone(&opaque));
-    data.materials[0].opacity = mask(&holes);
-    data.materials[1].texture = Some(Arc::clone(&translucent));
-    data.materials[1].reflectance = Some(Arc::new(Reflectance {
-        emission_texture: Some(Arc::clone(&opaque)),
-        emission: [1.0; 3],
-        ..Reflectance::default()
-    }));
-    let plain = MeshData {
-        materials: Vec::new(),
-        material_of_triangle: Vec::new(),
-        ..rich()
-    };
-    let mut scene = scene([data, plain.clone(), plain]);
-    scene.objects[1].texture = Some(Arc::clone(&opaque));
-    scene.objects[2].texture = Some(Arc::clone(&opaque));
-    scene.objects[2].mapping.projection = Some(TextureProjection::Sphere);
-    let (bytes, written) = bytes(&scene, MeshFormat::Glb);
-    let lost = "images that are not placed by texture coordinates (1)";
-    assert!(
-        written.lost.contains(&lost.to_owned()),
-        "{:?}",
-        written.lost
-    );
-    let (_, as_text) = self::bytes(&scene, MeshFormat::Obj);
-    assert!(as_text.lost.contains(&"images of 3 objects".to_owned()));
-
-    let nothing = |_: &str| None;
-    let budget = Budget::default();
-    let files = Held::new(&nothing, &budget);
-    let read = mesh_file::read(Path::new("a.glb"), &bytes, &files, UpAxis::Y, &|_| ());
-    let read = read.expect("what was written is read");
-    assert!(read.warnings.is_empty(), "{:?}", read.warnings);
-    let find = |object: usize, name: &str| -> Material {
-        let mut all = read.objects[object].mesh.materials().iter();
-        all.find(|material| material.name == name)
-            .expect(name)
-            .clone()
-    };
-    let names: Vec<_> = scene.objects[0]
-        .mesh
-        .materials()
-        .iter()
-        .map(|m| &*m.name)
-        .collect();
-    let first = find(0, names[0]);
-    assert_eq!(first.texture.as_ref(), Some(&opaque));
-    let Opacity::Mask { alpha, cutoff } = &first.opacity else {
-        panic!("{:?}", first.opacity)
-    };
-    let alphas = alpha.image.as_ref().map(|image| image.texels().to_vec());
-    assert_eq!(alphas, Some(vec![[9, 8, 7, 255], [255, 0, 1, 0]]));
-    assert_eq!(*cutoff, 0.25);
-    let second = find(0, names[1]);
-    let Color([r, g, b]) = base;
-    let over = image([[r, g, b, 255], [10, 20, 30, 255]], Wrap::Repeat);
-    assert_eq!(second.texture, Some(over));
-    let reflectance = second.reflectance.expect("written");
-    assert_eq!(reflectance.emission_texture.as_ref(), Some(&opaque));
-    let of_object = &read.objects[1].mesh;
-    let triangle = of_object.kept()[0];
-    let texture = of_object
-        .material(triangle)
-        .and_then(|m| m.texture.as_ref());
-    assert_eq!(texture, Some(&opaque));
-    let without = read.objects[2].mesh.material(triangle);
-    assert!(without.is_none_or(|material| material.texture.is_none()));
-    let png = bytes
-        .windows(8)
-        .filter(|bytes| *bytes == b"\x89PNG\r\n\x1a\n");
-    assert_eq!(png.count(), 3, "each combination once");
 }
 
 #[test]
