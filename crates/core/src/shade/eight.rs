@@ -434,21 +434,14 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     tile.shade_eight(lanes, colors, &rays, place, &hits)
                 };
                 if let Some(lines) = lines {
-                    let under = match eight {
-                        EightSamples::Light(light) => light,
-                        EightSamples::Display(values) => shader.tables.displayed(lanes, values),
-                    };
+                    let under = eight.light(lanes, shader.tables);
                     eight = EightSamples::Light(lines.over(lanes, under));
                 }
                 if let Some(pixels) = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut) {
                     tile.show_eight(lanes, eight, &rays, place, &hits, pixels);
                     continue;
                 }
-                let opaque = match eight {
-                    EightSamples::Light(light) => light,
-                    EightSamples::Display(values) => shader.tables.displayed(lanes, values),
-                };
-                store_opaque(opaque, &mut light[at]);
+                store_opaque(eight.light(lanes, shader.tables), &mut light[at]);
                 let light = &mut light[place.0 as usize..];
                 if any_misses(hits.primitives) || shader.needs().ground {
                     tile.light_others(&rays, place, behind, &hits, light);

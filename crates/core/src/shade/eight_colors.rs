@@ -1,6 +1,7 @@
 //! Which modes are shaded eight pixels at once, and where the colours go.
 
 use super::spans::within;
+use super::srgb::Tables;
 use super::vectors::Vectors;
 use crate::num::simd::Lanes;
 
@@ -62,6 +63,17 @@ pub(super) enum EightSamples<L: Lanes> {
     Light(Vectors<L>),
     /// Numbers to be shown, 0 to 1 in sRGB.
     Display(Vectors<L>),
+}
+
+impl<L: Lanes> EightSamples<L> {
+    /// Linear light.
+    #[inline(always)]
+    pub(super) fn light(self, lanes: L, tables: &Tables) -> Vectors<L> {
+        match self {
+            Self::Light(light) => light,
+            Self::Display(values) => tables.displayed(lanes, values),
+        }
+    }
 }
 
 /// Where colours go.

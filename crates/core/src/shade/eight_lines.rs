@@ -2,6 +2,7 @@
 
 use super::TileShader;
 use super::edges::LineStyle;
+use super::lines::Lines;
 use super::tile_rays::TileRays;
 use super::vectors::{Rows, Vectors};
 use crate::hits::runs;
@@ -15,6 +16,15 @@ pub(super) struct EightLines<L: Lanes> {
 }
 
 impl<L: Lanes> EightLines<L> {
+    /// Plain lines.
+    #[inline(always)]
+    pub(super) fn plain(lanes: L, lines: &Lines<'_>, coverage: L::F32) -> Self {
+        Self {
+            coverage,
+            color: Vectors::splat(lanes, lines.color_of(LineStyle::Plain)),
+        }
+    }
+
     /// Whether any covers a sample.
     #[inline(always)]
     pub(super) fn are_seen(&self, lanes: L) -> bool {

@@ -8,7 +8,8 @@
 mod looks;
 mod outputs;
 
-use super::eight_colors::{RowColors, Target};
+use super::eight_colors::{EightSamples, RowColors, Target};
+use super::eight_lines::EightLines;
 use super::facet::Interpolation;
 use super::hit_rows::HitRows;
 use super::interpolants::{PlanarRays, eight_along, eight_weights_of};
@@ -81,6 +82,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         let width = lattice.columns as usize;
         let mut numbers = [Numbers::all(0.0); NUMBERS];
         let mut textures = colors.have_textures().then(RowTextures::new);
+        let mut coverages = shader.needs().edges.then(|| Numbers::all(0.0));
         let mut unencoded = Unencoded::new();
         let mut columns = Columns::new(shader, &lattice, 0);
         for row in 0..lattice.rows {
@@ -103,6 +105,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     columns: &columns,
                     numbers: &mut numbers,
                     textures: textures.as_mut(),
+                    coverages: coverages.as_mut(),
                     textured: None,
                     primitives,
                     y,
@@ -147,6 +150,8 @@ struct Scanline<'r, 's, 'h> {
     /// What [`Scanline::interpolate`] has written.
     numbers: &'r mut [Numbers<f32>; NUMBERS],
     textures: Option<&'r mut RowTextures>,
+    /// How much of each sample lines cover, if there are any: plain ones along all edges.
+    coverages: Option<&'r mut Numbers<f32>>,
     /// What the samples that are evaluated and not coloured yet are textured with.
     textured: Option<Textured<'s>>,
     primitives: &'h [u32],
@@ -204,8 +209,20 @@ impl<'s> Scanline<'_, 's, '_> {
     /// linear functions.
     #[inline(always)]
     fn interpolate<L: Lanes>(&mut self, lanes: L, span: Span) -> bool {
+        let width = self.tile.shader().lines.width;
         let facet = self.tile.facet(span.primitive, 0.0);
         let numbers = &mut *self.numbers;
+        if let Some(coverages) = &mut self.coverages {
+            let mut at = span.first;
+            while at < span.end {
+                let xs = self.columns.x.eight(at);
+                *coverages.eight_mut(at) = match &facet.edges {
+                    None => [0.0; LANES],
+                    Some(edges) => edges.coverages(xs, self.y, width),
+                };
+                at += LANES;
+            }
+        }
         if let Some(textures) = &mut self.textures {
             let place = (self.y, &self.columns.x);
             if !textures.interpolate(lanes, self.textured, facet, place, span) {
@@ -307,9 +324,17 @@ impl<'s> Scanline<'_, 's, '_> {
         (first, end): (usize, usize),
         out: &mut impl Out,
     ) {
+        let shader = self.tile.shader();
         let mut at = first;
         while at < end {
-            out.eight(lanes, at, look.eight(lanes, self, at));
+            let mut colors = look.eight(lanes, self, at);
+            if let Some(coverages) = &self.coverages {
+                let coverage = lanes.load(coverages.eight(at));
+                let light = colors.light(lanes, shader.tables);
+                let lines = EightLines::plain(lanes, &shader.lines, coverage);
+                colors = EightSamples::Light(lines.over(lanes, light));
+            }
+            out.eight(lanes, at, colors);
             at += LANES;
         }
         out.finish(lanes, (first, end));

@@ -124,11 +124,7 @@ pub(super) struct Light<'p> {
 impl Out for Light<'_> {
     #[inline(always)]
     fn eight<L: Lanes>(&mut self, lanes: L, at: usize, colors: EightSamples<L>) {
-        let opaque = match colors {
-            EightSamples::Light(light) => light,
-            EightSamples::Display(values) => self.tables.displayed(lanes, values),
-        };
-        let Rows([r, g, b]) = opaque.store();
+        let Rows([r, g, b]) = colors.light(lanes, self.tables).store();
         let mut all = [[1.0; 4]; LANES];
         for (lane, light) in all.iter_mut().enumerate() {
             *light = [r[lane], g[lane], b[lane], 1.0];

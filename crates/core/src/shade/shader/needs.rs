@@ -126,7 +126,8 @@ impl Shader<'_> {
     pub(in crate::shade) fn row_colors(&self, colors: EightColors) -> Option<RowColors> {
         let needs = self.needs;
         let has_footprints = needs.texture && self.filter().has_footprint();
-        let others = needs.edges || has_footprints || needs.varied || self.has_overlay();
+        let has_chosen_lines = needs.edges && self.lines.choice.is_some();
+        let others = has_chosen_lines || has_footprints || needs.varied || self.has_overlay();
         if others || self.planar.is_none() {
             return None;
         }
