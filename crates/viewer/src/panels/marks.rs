@@ -6,10 +6,11 @@ use crate::state::State;
 use crate::state::lengths::Lengths;
 use crate::state::measure::{Circle, Kind, Measurement};
 use crate::ui::theme;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 use raycast_core::camera::Camera;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
+use std::cell::RefCell;
 
 /// The most faults of a kind that are drawn: more would hide the mesh, and take longer than a frame.
 const MOST_FAULTS: usize = 1000;
@@ -21,6 +22,8 @@ struct Pen<'a, P> {
     painter: &'a Painter,
     camera: &'a Camera,
     place: P,
+    /// Labels, and the points that they are for: they lie over all lines.
+    labels: RefCell<Vec<(Pos2, String)>>,
 }
 
 impl<P: Fn((f64, f64)) -> Pos2> Pen<'_, P> {
@@ -41,21 +44,59 @@ impl<P: Fn((f64, f64)) -> Pos2> Pen<'_, P> {
         }
     }
 
-    /// Text on a dark background, readable on any picture.
+    /// Text above a point.
     fn label(&self, point: DVec3, words: String) {
-        let Some(at) = self.at(point) else {
-            return;
-        };
-        let font = FontId::proportional(13.0);
-        let words = self.painter.layout_no_wrap(words, font, Color32::WHITE);
-        let rect = Rect::from_center_size(at - vec2(0.0, 14.0), words.size() + vec2(10.0, 4.0));
-        self.painter
-            .rect_filled(rect, 4.0, Color32::from_black_alpha(190));
-        let corner = Align2::CENTER_CENTER
-            .align_size_within_rect(words.size(), rect)
-            .min;
-        self.painter.galley(corner, words, Color32::WHITE);
+        if let Some(at) = self.at(point) {
+            self.labels.borrow_mut().push((at, words));
+        }
     }
+
+    /// Draws the labels beside one another, on a dark background, so that they are readable on any picture.
+    fn draw_labels(&self) {
+        let room = self.painter.clip_rect();
+        let mut taken = Vec::new();
+        for (at, words) in self.labels.take() {
+            let font = FontId::proportional(13.0);
+            let words = self.painter.layout_no_wrap(words, font, Color32::WHITE);
+            let size = words.size() + vec2(10.0, 4.0);
+            let rect = Rect::from_center_size(at - vec2(0.0, 14.0), size);
+            let rect = free(rect, room, &taken);
+            taken.push(rect);
+            let background = Color32::from_black_alpha(190);
+            self.painter.rect_filled(rect, 4.0, background);
+            let corner = Align2::CENTER_CENTER
+                .align_size_within_rect(words.size(), rect)
+                .min;
+            self.painter.galley(corner, words, Color32::WHITE);
+        }
+    }
+}
+
+/// The place nearest to a label's own, in the same column of a room, at which it covers none of those that are there;
+/// its own where there is none.
+fn free(label: Rect, room: Rect, taken: &[Rect]) -> Rect {
+    let inside = |rect: Rect| {
+        let low = (room.min - rect.min).max(Vec2::ZERO);
+        let high = (room.max - rect.max).min(Vec2::ZERO);
+        rect.translate(low + high)
+    };
+    let is_free = |rect: &Rect| {
+        let covers = |other: &Rect| other.expand(1.0).intersects(*rect);
+        room.contains_rect(*rect) && !taken.iter().any(covers)
+    };
+    let label = inside(label);
+    // Above and below each of the others.
+    let beside = taken.iter().flat_map(|other| {
+        let above = other.min.y - label.max.y - 2.0;
+        let below = other.max.y - label.min.y + 2.0;
+        [above, below]
+    });
+    let mut moves: Vec<f32> = std::iter::once(0.0).chain(beside).collect();
+    moves.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let mut places = moves
+        .into_iter()
+        .map(|down| label.translate(vec2(0.0, down)));
+    places.find(is_free).unwrap_or(label)
 }
 
 /// Draws them. `place` maps a point of the picture to the window.
@@ -67,6 +108,7 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
         painter,
         camera,
         place,
+        labels: RefCell::default(),
     };
     faults(&pen, state);
     let accent = theme::of(&egui::Visuals::dark()).accent;
@@ -75,6 +117,7 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
         measured(&pen, measurement, &lengths, accent);
     }
     under_way(&pen, state);
+    pen.draw_labels();
 }
 
 fn measured<P: Fn((f64, f64)) -> Pos2>(
@@ -195,5 +238,27 @@ fn faults<P: Fn((f64, f64)) -> Pos2>(pen: &Pen<'_, P>, state: &State) {
         let font = FontId::proportional(12.0);
         pen.painter
             .text(corner, Align2::LEFT_BOTTOM, words, font, Color32::WHITE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    #[test]
+    fn labels_lie_beside_one_another_and_inside_the_picture() {
+        let room = Rect::from_min_max(pos2(0.0, 0.0), pos2(200.0, 100.0));
+        let label = |x: f32, y: f32| Rect::from_center_size(pos2(x, y), vec2(60.0, 20.0));
+        assert_eq!(free(label(100.0, 50.0), room, &[]), label(100.0, 50.0));
+        assert_eq!(free(label(10.0, 99.0), room, &[]), label(30.0, 90.0));
+        let mut taken = Vec::new();
+        for _ in 0..4 {
+            taken.push(free(label(100.0, 50.0), room, &taken));
+        }
+        let centers: Vec<f32> = taken.iter().map(|rect| rect.center().y).collect();
+        assert_eq!(centers, [50.0, 28.0, 72.0, 50.0], "no room for a fourth");
+        // One far to the side is in nobody's way.
+        assert_eq!(free(label(170.0, 50.0), room, &taken), label(170.0, 50.0));
     }
 }
