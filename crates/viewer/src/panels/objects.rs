@@ -1,6 +1,7 @@
 //! The list of objects, and the controls of the selected one.
 
-use super::widgets::{choice, color, item, row, section};
+use super::surface::PROJECTIONS;
+use super::widgets::{choice, color, item, row, section, select};
 use super::{Commands, object_tree, shape, texture_part, transform};
 use crate::state::State;
 use crate::state::command::Command;
@@ -205,6 +206,7 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
     own_color(ui, state, (number, object), out);
     own_texture(ui, state, (number, object), out);
     texture_part::show(ui, state, (number, object), out);
+    own_mapping(ui, state, (number, object), out);
     object_tree::parent(ui, state, number, out);
     if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
         shape::show(ui, state, (number, shape), out);
@@ -295,6 +297,24 @@ fn own_texture(ui: &mut Ui, state: &State, (number, object): (usize, &Object), o
                     out.push(Command::RemoveTexture(Some(number)));
                 }
             }
+        });
+    });
+}
+
+/// How the selected object finds its place in its texture.
+fn own_mapping(ui: &mut Ui, state: &State, (number, object): (usize, &Object), out: &mut Commands) {
+    if !object.has_texture() {
+        return;
+    }
+    let hint = "How this object finds its place in its texture";
+    row(ui, "Its mapping", hint, |ui, label| {
+        let picture = (None, "The picture's", "As Surface, Mapping says");
+        let own = PROJECTIONS.map(|(projection, name, hint)| (Some(projection), name, hint));
+        let options: Vec<_> = std::iter::once(picture).chain(own).collect();
+        let current = object.mapping.projection;
+        ui.add_enabled_ui(!state.is_locked(number), |ui| {
+            let chosen = select(ui, "own mapping", label, current, &options);
+            out.extend(chosen.map(|projection| Command::SetObjectProjection(number, projection)));
         });
     });
 }

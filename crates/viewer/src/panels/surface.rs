@@ -53,7 +53,12 @@ fn texture(ui: &mut Ui, state: &State, out: &mut Commands) {
     let shading = &state.settings.shading;
     filter(ui, shading, out);
     mapping(ui, shading, out);
-    if shading.projection == TextureProjection::Camera {
+    let mut objects = state.document.iter().flat_map(|d| &d.scene.objects);
+    let is_camera = |object: &Object| {
+        let own = object.mapping.projection.unwrap_or(shading.projection);
+        own == TextureProjection::Camera && object.has_texture()
+    };
+    if objects.any(is_camera) {
         photograph(ui, out);
     }
     blend(ui, shading, out);
@@ -83,55 +88,52 @@ fn filter(ui: &mut Ui, shading: &Shading, out: &mut Commands) {
     });
 }
 
+/// The texture projections: names, and what they are.
+pub(super) const PROJECTIONS: [(TextureProjection, &str, &str); 7] = [
+    (
+        TextureProjection::Uv,
+        "By UV",
+        "The mesh's texture coordinates",
+    ),
+    (
+        TextureProjection::Triplanar,
+        "Triplanar",
+        "From three sides along the object's axes",
+    ),
+    (
+        TextureProjection::PerTriangle,
+        "Per triangle",
+        "Each triangle laid into the image in its own shape",
+    ),
+    (
+        TextureProjection::Plane,
+        "Plane",
+        "Straight onto the object from its front",
+    ),
+    (
+        TextureProjection::Sphere,
+        "Sphere",
+        "By longitude and latitude about the object's middle",
+    ),
+    (
+        TextureProjection::Cylinder,
+        "Cylinder",
+        "By angle and height about the object's axis",
+    ),
+    (
+        TextureProjection::Camera,
+        "Camera",
+        "A photograph, onto what its camera saw",
+    ),
+];
+
 fn mapping(ui: &mut Ui, shading: &Shading, out: &mut Commands) {
-    row(
-        ui,
-        "Mapping",
-        "How surfaces find their place in the texture",
-        |ui, label| {
-            let options = [
-                (
-                    TextureProjection::Uv,
-                    "By UV",
-                    "The mesh's texture coordinates",
-                ),
-                (
-                    TextureProjection::Triplanar,
-                    "Triplanar",
-                    "From three sides along the object's axes",
-                ),
-                (
-                    TextureProjection::PerTriangle,
-                    "Per triangle",
-                    "Each triangle laid into the image in its own shape",
-                ),
-                (
-                    TextureProjection::Plane,
-                    "Plane",
-                    "Straight onto the object from its front",
-                ),
-                (
-                    TextureProjection::Sphere,
-                    "Sphere",
-                    "By longitude and latitude about the object's middle",
-                ),
-                (
-                    TextureProjection::Cylinder,
-                    "Cylinder",
-                    "By angle and height about the object's axis",
-                ),
-                (
-                    TextureProjection::Camera,
-                    "Camera",
-                    "A photograph, onto what its camera saw",
-                ),
-            ];
-            out.extend(
-                select(ui, "mapping", label, shading.projection, &options)
-                    .map(Command::SetTextureProjection),
-            );
-        },
-    );
+    let hint =
+        "How surfaces find their place in the texture; objects may have mappings of their own";
+    row(ui, "Mapping", hint, |ui, label| {
+        let chosen = select(ui, "mapping", label, shading.projection, &PROJECTIONS);
+        out.extend(chosen.map(Command::SetTextureProjection));
+    });
 }
 
 fn photograph(ui: &mut Ui, out: &mut Commands) {

@@ -163,6 +163,8 @@ pub enum Command {
     SetFilter(Filter),
     /// Set the texture projection.
     SetTextureProjection(TextureProjection),
+    /// Set an object's own texture projection; `None`: that of the picture.
+    SetObjectProjection(usize, Option<TextureProjection>),
     /// Project textures as photographs from the present camera.
     TakePhotographs,
     /// Set the culling.
@@ -422,7 +424,9 @@ impl Command {
             Self::SetWireframeHidden(_) => ("Hidden lines", true),
             Self::SetBlend(_) => ("Change of blend", true),
             Self::SetFilter(_) => ("Change of filter", false),
-            Self::SetTextureProjection(_) => ("Change of mapping", false),
+            Self::SetTextureProjection(_) | Self::SetObjectProjection(..) => {
+                ("Change of mapping", false)
+            }
             Self::TakePhotographs => ("Change of photograph", false),
             Self::SetCull(_) => ("Change of faces", false),
             Self::SetXRayOpacity(_) => ("Opacity of x-ray", true),

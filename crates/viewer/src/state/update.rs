@@ -168,6 +168,16 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
                 });
             }
         }
+        Command::SetObjectProjection(which, projection) => {
+            let effect = objects::change(state, Some(which), |object| {
+                object.mapping.projection = projection;
+            });
+            let is_camera = Some(TextureProjection::Camera);
+            let taken = objects::take_photographs(state, |object| {
+                object.mapping.projection == is_camera && object.mapping.photograph.is_none()
+            });
+            return taken.or(effect);
+        }
         Command::TakePhotographs => return objects::take_photographs(state, |_| true),
         Command::SetCull(cull) => state.settings.cull = cull,
         Command::SetXRayOpacity(opacity) => {

@@ -1,11 +1,11 @@
 //! The list of objects, and handles.
 
 use crate::bench::{Bench, click, drag, drag_along, open_two};
-use egui::{Key, Modifiers, PointerButton, pos2};
+use egui::{Key, Modifiers, PointerButton, Role, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Crop, Shape, Texture};
+use raycast_core::scene::{Crop, Shape, Texture, TextureProjection};
 use raycast_viewer::state::State;
 use raycast_viewer::state::command::Command;
 use raycast_viewer::state::cut::PlaneBy;
@@ -126,6 +126,38 @@ fn a_rectangle_drawn_on_its_image_is_the_part_that_is_shown() {
     click(&mut harness, "Show the whole image");
     let whole = load(3, TexturePart::default());
     assert_eq!(harness.state().effects.last(), Some(&whole));
+}
+
+#[test]
+fn an_object_has_a_mapping_of_its_own() {
+    let mut harness = open_two();
+    click(&mut harness, "left one");
+    assert!(harness.query_by_label("Its mapping").is_none(), "no image");
+    let path = std::env::temp_dir().join("skin.png");
+    let load = Command::LoadTexture(path.clone(), Some(0));
+    let state = &mut harness.state_mut().state;
+    update(state, load);
+    let news = News::Texture {
+        number: Some(1),
+        path,
+        found: Ok(Arc::new(
+            Texture::new(1, 1, vec![[255; 4]]).expect("a texel"),
+        )),
+    };
+    receive(state, news, Duration::ZERO);
+    harness.run();
+    let list = (Role::ComboBox, "Its mapping");
+    harness.get_by_role_and_label(list.0, list.1).click();
+    harness.run();
+    click(&mut harness, "Sphere");
+    let document = harness.state().state.document.as_ref().expect("a scene");
+    let own = document
+        .scene
+        .objects
+        .iter()
+        .map(|o| o.mapping.projection)
+        .collect::<Vec<_>>();
+    assert_eq!(own, [Some(TextureProjection::Sphere), None]);
 }
 
 #[test]

@@ -193,3 +193,38 @@ fn a_texture_that_is_read_late_finds_its_object_or_none() {
     arrive(&mut state, asked);
     assert_eq!(parts(&state), [None, None]);
 }
+
+#[test]
+fn an_object_has_a_mapping_of_its_own() {
+    let mut state = opened(3);
+    for number in [0, 1] {
+        let load = Command::LoadTexture(PathBuf::from(SKIN), Some(number));
+        let asked = ask(&mut state, load).expect("a request");
+        arrive(&mut state, asked);
+    }
+    let mappings = |state: &State| {
+        let objects = document(state).scene.objects.iter();
+        let mapping = |object: &Object| {
+            let mapping = &object.mapping;
+            (mapping.projection, mapping.photograph.is_some())
+        };
+        objects.map(mapping).collect::<Vec<_>>()
+    };
+    let set = |state: &mut State, projection| {
+        update(state, Command::SetObjectProjection(1, projection));
+    };
+    set(&mut state, Some(TextureProjection::Sphere));
+    let sphere = (Some(TextureProjection::Sphere), false);
+    assert_eq!(mappings(&state), [(None, false), sphere, (None, false)]);
+    // A photograph is one from here.
+    set(&mut state, Some(TextureProjection::Camera));
+    let camera = (Some(TextureProjection::Camera), true);
+    assert_eq!(mappings(&state), [(None, false), camera, (None, false)]);
+    update(&mut state, Command::Undo);
+    assert_eq!(mappings(&state)[1], sphere);
+    set(&mut state, None);
+    assert_eq!(mappings(&state), [(None, false); 3]);
+    update(&mut state, Command::SetLocked(1, true));
+    set(&mut state, Some(TextureProjection::Plane));
+    assert_eq!(mappings(&state)[1], (None, false), "locked");
+}
