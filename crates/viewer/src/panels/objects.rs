@@ -308,7 +308,11 @@ fn own_mapping(ui: &mut Ui, state: &State, (number, object): (usize, &Object), o
     }
     let hint = "How this object finds its place in its texture";
     row(ui, "Its mapping", hint, |ui, label| {
-        let picture = (None, "The picture's", "As Surface, Mapping says");
+        let picture = (
+            None,
+            "As in Surface",
+            "The mapping that the Surface part sets for all",
+        );
         let own = PROJECTIONS.map(|(projection, name, hint)| (Some(projection), name, hint));
         let options: Vec<_> = std::iter::once(picture).chain(own).collect();
         let current = object.mapping.projection;
