@@ -35,6 +35,12 @@ impl MapOptions {
         self.scale == other.scale && self.offset == other.offset
     }
 
+    /// What tells options that move coordinates otherwise.
+    fn bits(&self) -> [u64; 4] {
+        let Self { scale, offset, .. } = self;
+        [scale.x, scale.y, offset.x, offset.y].map(f64::to_bits)
+    }
+
     /// `None` beyond the range of single precision.
     fn moved(&self, uv: Vec2) -> Option<Vec2> {
         let uv = (uv.as_dvec2() * self.scale + self.offset).as_vec2();
@@ -128,11 +134,17 @@ pub(super) fn move_coordinates(
     let Some(uvs) = &mut mesh.uvs else {
         return Ok(());
     };
-    let usual = MapOptions::default();
-    let moved = |material: u32| {
-        let options = options.get(material as usize);
-        options.filter(|options| !options.moves_as(&usual))
-    };
+    // Materials with the same options share coordinates: each has the first of those with its options.
+    let mut firsts: HashMap<[u64; 4], u32> = HashMap::new();
+    let kinds: Vec<Option<(u32, MapOptions)>> = (0..)
+        .zip(options)
+        .map(|(number, options)| {
+            let first = *firsts.entry(options.bits()).or_insert(number);
+            let moves = !options.moves_as(&MapOptions::default());
+            moves.then_some((first, *options))
+        })
+        .collect();
+    let moved = |material: u32| kinds.get(material as usize).copied().flatten();
     let corners = 3
         * (mesh.material_of_triangle.iter())
             .filter(|&&material| moved(material).is_some())
@@ -143,19 +155,12 @@ pub(super) fn move_coordinates(
     // For each corner a coordinate, and twice that for its place in the table of those that are there.
     let bytes = corners as u64 * 3 * size_of::<(u64, Vec2)>() as u64;
     let _share = budget.share(path, "texture coordinates", bytes)?;
-    // Materials with the same options share coordinates.
-    let mut kinds: Vec<MapOptions> = Vec::new();
-    let mut known: HashMap<(usize, u32), u32> = HashMap::new();
+    let mut known: HashMap<(u32, u32), u32> = HashMap::new();
     let indices = uvs.indices.get_or_insert_with(|| mesh.triangles.clone());
     for (triangle, &material) in indices.iter_mut().zip(&mesh.material_of_triangle) {
-        let Some(options) = moved(material).filter(|_| triangle[0] != NONE) else {
+        let Some((kind, options)) = moved(material).filter(|_| triangle[0] != NONE) else {
             continue;
         };
-        let kind = kinds.iter().position(|kind| kind.moves_as(options));
-        let kind = kind.unwrap_or_else(|| {
-            kinds.push(*options);
-            kinds.len() - 1
-        });
         for index in triangle.iter_mut() {
             let values = &mut uvs.values;
             *index = *known.entry((kind, *index)).or_insert_with(|| {
