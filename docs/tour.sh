@@ -50,11 +50,11 @@ look() {
     import -silent -window root -crop "${width}x$height+0+0" +repage "$home/$1.png"
 }
 
-# Waits until two looks half a second apart are the same, three times over.
+# Waits until two looks half a second apart are the same, three times over; at most for 30 looks, since a cursor blinks.
 settle() {
-    local same=0
+    local same=0 looks=0
     look before
-    while [ $same -lt 3 ]; do
+    while [ $same -lt 3 ] && [ $((looks += 1)) -le 30 ]; do
         sleep 0.5
         look after
         if cmp -s "$home/before.png" "$home/after.png"; then same=$((same + 1)); else same=0; fi
