@@ -51,6 +51,10 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
             })),
             ..material("metal")
         },
+        Material {
+            opacity: Opacity::Blend(alpha(1f32.next_down())),
+            ..material("curtain")
+        },
         material("plain"),
         // Another look by the same name.
         Material {
@@ -62,15 +66,22 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
         },
     ];
     let data = MeshData {
-        triangles: vec![[0, 1, 2]; 6],
-        material_of_triangle: vec![0, 1, 2, 3, 4, u32::MAX],
+        triangles: vec![[0, 1, 2]; 7],
+        material_of_triangle: vec![0, 1, 2, 3, 4, 5, u32::MAX],
         materials: materials.clone(),
         uvs: Some(Attribute {
             values: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
-            indices: Some(vec![[0, 1, 2]; 6]),
+            indices: Some(vec![[0, 1, 2]; 7]),
         }),
         normals: None,
         ..rich()
+    };
+    // Full opacity but for the image, which a library cannot say otherwise.
+    let mut full = materials.clone();
+    full[3].opacity = Opacity::Blend(alpha(1.0));
+    let data = MeshData {
+        materials: full,
+        ..data
     };
     let scene = scene([data]);
     let (bytes, written) = bytes(&scene, MeshFormat::Obj);
@@ -86,7 +97,7 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
     for (number, expected) in (0..).zip(&materials) {
         let found = mesh.material(number).expect("a material");
         let name = match number {
-            4 => "plain 2",
+            5 => "plain 2",
             _ => expected.name.as_str(),
         };
         assert_eq!(found.name, name);
@@ -103,7 +114,7 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
         assert_eq!(opacity(found), opacity(expected), "{name}");
     }
     assert_eq!(
-        mesh.material(5).map(|material| &*material.name),
+        mesh.material(6).map(|material| &*material.name),
         Some("none")
     );
 }

@@ -153,10 +153,16 @@ impl Writer {
                 }
                 Some(_) => {}
             },
-            // An image of opacity alone is read as a mask.
-            _ if *factor >= 1.0 && image.is_some() => self.lose("that images of opacity blend"),
-            _ if *factor < 1.0 => lines = format!("d {}\n", Shortest(*factor)),
-            _ => {}
+            // An image of opacity alone is read as a mask: where it blends, the factor is the number before 1.
+            _ => {
+                let factor = match image {
+                    Some(_) => factor.min(1f32.next_down()),
+                    None => *factor,
+                };
+                if factor < 1.0 {
+                    lines = format!("d {}\n", Shortest(factor));
+                }
+            }
         }
         if let Some(image) = image {
             lines += &self.image("map_d", image, has_uvs)?;
