@@ -33,7 +33,7 @@ fn halving_nodes(triangles: usize) -> usize {
     1 + halving_nodes(half) + halving_nodes(triangles - half)
 }
 
-/// The first node and the first primitive index of a subtree.
+/// An offset into the lists of nodes and of primitives: where a subtree begins, or how much of each it takes.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LayoutOffset {
     pub(super) node: usize,

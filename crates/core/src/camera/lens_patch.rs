@@ -395,7 +395,7 @@ fn moved([x, y]: &[[f64; LANES]; 2], by_x: f64, by_y: f64) -> [[f64; LANES]; 2] 
     out
 }
 
-/// The longest last steps and the greatest distances from c that were met, squared. NaN stays, since later rows are
+/// The longest last steps and the greatest distances from c so far, squared. NaN stays, since later rows are
 /// extrapolated from it.
 #[derive(Default)]
 struct Worst {

@@ -155,7 +155,7 @@ pub(super) fn bilinear<L: Lanes>(
     (color, alpha)
 }
 
-/// Eight texels by their nearness along both axes.
+/// Eight texels, weighted along both axes.
 #[inline(always)]
 fn weighed<L: Lanes>(
     (color, alpha): (Vectors<L>, L::F32),

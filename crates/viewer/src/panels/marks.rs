@@ -72,8 +72,8 @@ impl<P: Fn((f64, f64)) -> Pos2> Pen<'_, P> {
     }
 }
 
-/// The place nearest to a label's own, in the same column of a room, at which it covers none of those that are there;
-/// its own where there is none.
+/// A label moved into a room, and as little as needed up or down so that it covers none of those already placed; not
+/// moved up or down where there is no room.
 fn free(label: Rect, room: Rect, taken: &[Rect]) -> Rect {
     let inside = |rect: Rect| {
         let low = (room.min - rect.min).max(Vec2::ZERO);

@@ -306,7 +306,7 @@ fn texture(
 ) -> Option<Effect> {
     let scene = Arc::clone(&state.document.as_ref()?.scene);
     let object = match number {
-        Some(number) => state.textures.end(number, &scene).ok()?,
+        Some(number) => state.textures.end(number, &scene)?,
         None => None,
     };
     let texture = match found {

@@ -51,12 +51,11 @@ impl TextureRequests {
         self.waiting.clear();
     }
 
-    /// Ends a request: the object's index now, or `None` for all. An error where another request has taken its place,
-    /// or the object is gone.
-    pub(super) fn end(&mut self, number: u64, scene: &Scene) -> Result<Option<usize>, ()> {
-        let place = self.waiting.iter().position(|it| it.number == number);
-        let request = self.waiting.remove(place.ok_or(())?);
-        request.object_in(scene).ok_or(())
+    /// Ends a request: the object's index now, or `None` for all objects; outer `None` where another request has
+    /// replaced it, or the object is gone.
+    pub(super) fn end(&mut self, number: u64, scene: &Scene) -> Option<Option<usize>> {
+        let index = self.waiting.iter().position(|it| it.number == number)?;
+        self.waiting.remove(index).object_in(scene)
     }
 }
 

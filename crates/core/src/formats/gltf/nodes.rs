@@ -54,7 +54,7 @@ pub(super) fn mesh_nodes<'d>(data: &Data<'d>) -> Result<Vec<MeshNode<'d>>, Forma
         let location = format!("nodes[{index}]");
         let node = data.one(nodes, index, "scenes", "nodes")?;
         if std::mem::replace(&mut is_met[index as usize], true) {
-            let found = "one that is met twice";
+            let found = "one that is reached twice";
             return Err(data.fault(&location, "a node of a tree", found));
         }
         let parent_from_node = parent_from_node(data, node, &location)?;

@@ -91,7 +91,7 @@ fn says_where_and_what() {
     check(
         "\"nodes\": [",
         "\"scenes\": [{\"nodes\": [1]}], \"nodes\": [{\"children\": [1]}, {\"children\": [0]}, ",
-        "nodes[1]: expected a node of a tree, found one that is met twice",
+        "nodes[1]: expected a node of a tree, found one that is reached twice",
     );
     check(
         "{\"mesh\": 0}",

@@ -210,7 +210,7 @@ fn numbers_are_read_in_all_their_forms() {
         .flat_map(|x| x.to_le_bytes())
         .collect();
     check(5123, true, 6, &words, [1., 0., 0., 0., 1., 0., 0., 0., 0.2]);
-    let singles: Vec<u8> = [0.1f32, 0., 0., 0., 1e-3, 0., 0., 7., 8.]
+    let floats: Vec<u8> = [0.1f32, 0., 0., 0., 1e-3, 0., 0., 7., 8.]
         .iter()
         .flat_map(|x| x.to_le_bytes())
         .collect();
@@ -218,7 +218,7 @@ fn numbers_are_read_in_all_their_forms() {
         5126,
         false,
         12,
-        &singles,
+        &floats,
         [0.1, 0., 0., 0., 1e-3, 0., 0., 7., 8.],
     );
 }

@@ -30,13 +30,35 @@ impl Default for MapOptions {
 }
 
 impl MapOptions {
+    /// Takes an option; returns whether it is one of those that are obeyed.
+    fn take(&mut self, option: &str, values: &[&str]) -> bool {
+        let numbers = || -> Option<Vec<f64>> {
+            let number = |word: &&str| word.parse().ok().filter(|number: &f64| number.is_finite());
+            values.iter().map(number).collect()
+        };
+        let with = |mut usual: DVec2, numbers: Vec<f64>| {
+            // The third is for textures of space.
+            for (to, number) in [&mut usual.x, &mut usual.y].into_iter().zip(numbers) {
+                *to = number;
+            }
+            usual
+        };
+        match (option, numbers(), values) {
+            ("-s", Some(numbers), _) => self.scale = with(DVec2::ONE, numbers),
+            ("-o", Some(numbers), _) => self.offset = with(DVec2::ZERO, numbers),
+            ("-clamp", _, ["on" | "off"]) => self.clamps = values == ["on"],
+            _ => return false,
+        }
+        true
+    }
+
     /// Whether texture coordinates are moved alike.
     pub(super) fn moves_as(&self, other: &Self) -> bool {
         self.scale == other.scale && self.offset == other.offset
     }
 
-    /// What tells options that move coordinates otherwise.
-    fn bits(&self) -> [u64; 4] {
+    /// A key that is the same for options that move coordinates alike.
+    fn key(&self) -> [u64; 4] {
         let Self { scale, offset, .. } = self;
         [scale.x, scale.y, offset.x, offset.y].map(f64::to_bits)
     }
@@ -73,15 +95,13 @@ impl MtlImage {
                 _ => (1, 1),
             };
             let mut values = Vec::with_capacity(most);
-            while values.len() < most {
-                after = after.trim_start();
-                let word = after.split_once(char::is_whitespace);
-                // The last word is the name.
-                let number = word.filter(|(word, _)| word.parse::<f64>().is_ok());
-                let Some((value, next)) = (if values.len() < least { word } else { number }) else {
+            // The last word is the name.
+            while let Some((word, next)) = after.trim_start().split_once(char::is_whitespace) {
+                let is_value = values.len() < least || word.parse::<f64>().is_ok();
+                if values.len() == most || !is_value {
                     break;
-                };
-                values.push(value);
+                }
+                values.push(word);
                 after = next;
             }
             if values.len() < least {
@@ -98,33 +118,12 @@ impl MtlImage {
     }
 }
 
-impl MapOptions {
-    /// Takes an option; returns whether it is one of those that are obeyed.
-    fn take(&mut self, option: &str, values: &[&str]) -> bool {
-        let numbers = || -> Option<Vec<f64>> {
-            let number = |word: &&str| word.parse().ok().filter(|number: &f64| number.is_finite());
-            values.iter().map(number).collect()
-        };
-        let with = |mut usual: DVec2, numbers: Vec<f64>| {
-            // The third is for textures of space.
-            for (to, number) in [&mut usual.x, &mut usual.y].into_iter().zip(numbers) {
-                *to = number;
-            }
-            usual
-        };
-        match (option, numbers(), values) {
-            ("-s", Some(numbers), _) => self.scale = with(DVec2::ONE, numbers),
-            ("-o", Some(numbers), _) => self.offset = with(DVec2::ZERO, numbers),
-            ("-clamp", _, ["on" | "off"]) => self.clamps = values == ["on"],
-            _ => return false,
-        }
-        true
-    }
-}
-
 /// Moves the texture coordinates of triangles as the options of their materials say; `options` has those of each.
-/// Coordinates that materials with other options share are doubled. Where one is beyond single precision, the triangle
-/// has none.
+/// Coordinates that triangles of other options use as well are copied. A triangle with a coordinate beyond single
+/// precision gets none.
+///
+/// # Errors
+/// The copies would exceed the budget.
 pub(super) fn move_coordinates(
     path: &Path,
     mesh: &mut MeshData,
@@ -134,12 +133,12 @@ pub(super) fn move_coordinates(
     let Some(uvs) = &mut mesh.uvs else {
         return Ok(());
     };
-    // Materials with the same options share coordinates: each has the first of those with its options.
+    // Materials with the same options share copies: their kind is the index of the first of them.
     let mut firsts: HashMap<[u64; 4], u32> = HashMap::new();
     let kinds: Vec<Option<(u32, MapOptions)>> = (0..)
         .zip(options)
         .map(|(number, options)| {
-            let first = *firsts.entry(options.bits()).or_insert(number);
+            let first = *firsts.entry(options.key()).or_insert(number);
             let moves = !options.moves_as(&MapOptions::default());
             moves.then_some((first, *options))
         })
@@ -152,9 +151,10 @@ pub(super) fn move_coordinates(
     if corners == 0 {
         return Ok(());
     }
-    // For each corner a coordinate, and twice that for its place in the table of those that are there.
-    let bytes = corners as u64 * 3 * size_of::<(u64, Vec2)>() as u64;
-    let _share = budget.share(path, "texture coordinates", bytes)?;
+    // For each corner a copy and an entry of the table of copies; both grow by doubling.
+    let entry = size_of::<Vec2>() + size_of::<((u32, u32), u32)>();
+    let share = budget.share(path, "texture coordinates", (2 * corners * entry) as u64)?;
+    let before = uvs.values.capacity();
     let mut known: HashMap<(u32, u32), u32> = HashMap::new();
     let indices = uvs.indices.get_or_insert_with(|| mesh.triangles.clone());
     for (triangle, &material) in indices.iter_mut().zip(&mesh.material_of_triangle) {
@@ -178,6 +178,8 @@ pub(super) fn move_coordinates(
             *triangle = [NONE; 3];
         }
     }
+    let grown = uvs.values.capacity() - before;
+    share.keep((grown * size_of::<Vec2>()) as u64);
     Ok(())
 }
 

@@ -21,7 +21,7 @@ pub struct MaterialLibrary {
     /// What materials have and the library has not, in words.
     pub lost: Vec<String>,
     names: Vec<String>,
-    /// For each object, the number of triangles' material without one of their own, and of the object's materials.
+    /// For each object, indices into `names`: of the material of triangles that have none, and of its own materials.
     of_objects: Vec<(usize, Vec<usize>)>,
 }
 
