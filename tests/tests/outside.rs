@@ -32,7 +32,7 @@ const BROKEN: [(&str, &str); 9] = [
     ),
     (
         "glTF2/RecursiveNodes/RecursiveNodes.gltf",
-        "nodes[0]: expected a node of a tree, found one that is met twice",
+        "nodes[0]: expected a node of a tree, found one that is reached twice",
     ),
     (
         "glTF2/SchemaFailures/sceneWrongType.gltf",
