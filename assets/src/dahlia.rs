@@ -12,9 +12,10 @@ use crate::obj::{Corner, Face, Material, Model};
 use crate::random::random;
 use crate::sweep::sweep;
 
-const PETALS: usize = 106;
-/// Those in the closed bud are made of fewer triangles.
-const BUD_PETALS: usize = 40;
+/// The petals of the demo's dahlia.
+pub const PETALS: u32 = 106;
+/// How many of [`PETALS`] are in the closed bud, and made of fewer triangles.
+const BUD_PETALS: u32 = 40;
 
 /// `π (3 − √5)`.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
@@ -36,17 +37,17 @@ const MATERIALS: [Material; SHADES + 2] = [
     Material::new("stem", 0x467434),
 ];
 
-/// The flower around the Y axis, its head some two units wide. Each petal is a closed part with
-/// an upper and a lower side that meet at its edge.
-pub(crate) fn dahlia() -> Model {
+/// The flower around the Y axis, its head some two units wide and of this many petals. Each petal is
+/// a closed part with an upper and a lower side that meet at its edge.
+pub fn dahlia(petals: u32) -> Model {
     let mut model = Model {
         name: "dahlia",
         about: "A dahlia in full bloom",
         materials: MATERIALS.to_vec(),
         ..Model::default()
     };
-    for index in 0..PETALS {
-        model.append(petal_of_bloom(index));
+    for index in 0..petals {
+        model.append(petal_of_bloom(index, petals));
     }
     for index in 0..SEPALS {
         model.append(sepal(index));
@@ -80,12 +81,12 @@ struct Petal {
     grid: (usize, usize),
 }
 
-/// Petal `index`, counted from the middle of the bud.
-fn petal_of_bloom(index: usize) -> Model {
+/// Petal `index` of `petals`, counted from the middle of the bud.
+fn petal_of_bloom(index: u32, petals: u32) -> Model {
     // 0 in the middle, 1 at the outermost petals.
-    let out = ((index as f64 + 0.5) / PETALS as f64).sqrt();
+    let out = ((f64::from(index) + 0.5) / f64::from(petals)).sqrt();
     let jitter = |seed: u32| random(index as i32, 0, seed) * 2.0 - 1.0;
-    let azimuth = GOLDEN_ANGLE * index as f64 + 0.05 * jitter(1);
+    let azimuth = GOLDEN_ANGLE * f64::from(index) + 0.05 * jitter(1);
     let (sin, cos) = libm::sincos(azimuth);
     let petal = Petal {
         base: DVec3::new(0.2 * out * sin, 0.16 - 0.34 * out * out, 0.2 * out * cos),
@@ -96,12 +97,30 @@ fn petal_of_bloom(index: usize) -> Model {
         half_width: curve(&[0.06, 0.085, 0.13, 0.17, 0.2, 0.22, 0.225], out),
         cup: (1.6, curve(&[1.3, 1.2, 1.1, 1.0, 0.9, 0.8, 0.75], out)),
         half_thickness: 0.008,
-        grid: if index < BUD_PETALS { (4, 2) } else { (6, 4) },
+        grid: if index < bud_petals(petals) {
+            (4, 2)
+        } else {
+            (6, 4)
+        },
     };
     petal.model(|along| {
         let light = 0.08 + 0.6 * out + 0.6 * (along - 0.45) + 0.05 * jitter(5);
         ((light * SHADES as f64) as usize).min(SHADES - 1)
     })
+}
+
+/// How many of a bloom's petals are in the bud.
+fn bud_petals(petals: u32) -> u32 {
+    (u64::from(petals) * u64::from(BUD_PETALS) / u64::from(PETALS)) as u32
+}
+
+/// The number of triangles of a dahlia with this many petals.
+pub fn dahlia_triangles(petals: u32) -> u64 {
+    let bud = u64::from(bud_petals(petals));
+    let coarse = |parts: u64| parts * 28;
+    let fine = |parts: u64| parts * 88;
+    let (sepals, leaves, stem) = (coarse(SEPALS as u64), fine(2), 216);
+    coarse(bud) + fine(u64::from(petals) - bud) + sepals + leaves + stem
 }
 
 const SEPALS: usize = 8;

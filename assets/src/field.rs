@@ -52,7 +52,11 @@ pub(crate) fn onto_surface(field: impl Fn(DVec3) -> f64, mut p: DVec3, reach: f6
     for _ in 0..4 {
         let slope = gradient(&field, p);
         let step = slope * (field(p) / slope.length_squared().max(1e-6));
-        p -= step.clamp_length_max(reach);
+        let next = p - step.clamp_length_max(reach);
+        if next == p {
+            break;
+        }
+        p = next;
     }
     p
 }

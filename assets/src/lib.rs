@@ -1,5 +1,7 @@
 //! RayCast's demo assets, made from nothing by this program: the same bytes on every machine.
 //!
+//! [`monkey`] and [`dahlia`] are shapes of scene files too.
+//!
 //! Meshes are Y up, right-handed, counter-clockwise seen from outside, with normals and texture
 //! coordinates. Sines and the like come from `libm`, as those of the standard library may differ
 //! in their last digits from one system to another.
@@ -18,6 +20,10 @@ mod surface_nets;
 mod sweep;
 mod torus;
 
+pub use dahlia::{PETALS, dahlia, dahlia_triangles};
+pub use monkey::{MONKEY_TRIANGLES, monkey};
+pub use obj::{Corner, Face, Material, Model};
+
 /// What the files' comments say of where they come from.
 const MADE_BY: &str = "Made by `cargo run -p raycast-assets --release`.";
 
@@ -32,8 +38,8 @@ pub fn all() -> Vec<(String, Vec<u8>)> {
 fn models() -> [obj::Model; 5] {
     [
         cube::cube(),
-        monkey::monkey(),
-        dahlia::dahlia(),
+        monkey(),
+        dahlia(PETALS),
         torus::torus(),
         plinth::plinth(),
     ]

@@ -47,9 +47,12 @@ const EYE_RADIUS: f64 = 0.25;
 /// Where the right eye looks: straight on, a little outwards.
 const GAZE: DVec3 = v(0.06, 0.02, 1.0);
 
+/// The number of the monkey's triangles.
+pub const MONKEY_TRIANGLES: u64 = 9602;
+
 /// The head, some three units wide from ear to ear, looking along +Z. The skull, and each ball,
 /// glint, lid and lock of fur, is a closed part.
-pub(crate) fn monkey() -> Model {
+pub fn monkey() -> Model {
     let mut shell = surface_net(skull, v(1.7, 1.5, 1.5), CELL);
     let bent = |a: DVec3, b: DVec3| skull(a.midpoint(b)).abs() > TOLERANCE;
     let at_engraving = |a: DVec3, b: DVec3| {

@@ -1,4 +1,4 @@
-//! A model as Wavefront OBJ text with its MTL material library.
+//! A model: polygons with materials, and their Wavefront OBJ text with its MTL library.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ const NORMAL_DECIMALS: usize = 3;
 
 /// A diffuse colour with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Material {
+pub struct Material {
     /// The name in `newmtl` and `usemtl`.
     pub name: &'static str,
     /// The diffuse colour, 8-bit sRGB.
@@ -31,7 +31,7 @@ impl Material {
 
 /// Where a face's corner takes its attributes from: indices from 0 into a [`Model`]'s lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Corner {
+pub struct Corner {
     /// Index of the position.
     pub position: usize,
     /// Index of the texture coordinate.
@@ -53,7 +53,7 @@ impl Corner {
 
 /// A polygon, counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Face {
+pub struct Face {
     /// Index of the material.
     pub material: usize,
     /// Three corners or more.
@@ -62,7 +62,7 @@ pub(crate) struct Face {
 
 /// Polygons with positions, texture coordinates, normals and materials.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Model {
+pub struct Model {
     /// The name of the object and, without its ending, of both files.
     pub name: &'static str,
     /// One line about the model, written as a comment.

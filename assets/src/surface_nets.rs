@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, IVec3};
+use rayon::prelude::*;
 
 use crate::field::onto_surface;
 
@@ -24,7 +25,11 @@ pub(crate) struct HalfShell {
 
 /// Samples `field` within `±half_size` on a grid of cubes `cell` wide, and gives all triangles
 /// material 0. `field` must be symmetric in x and positive at the bounds.
-pub(crate) fn surface_net(field: impl Fn(DVec3) -> f64, half_size: DVec3, cell: f64) -> HalfShell {
+pub(crate) fn surface_net(
+    field: impl Fn(DVec3) -> f64 + Sync,
+    half_size: DVec3,
+    cell: f64,
+) -> HalfShell {
     let count = (half_size / cell).ceil().as_ivec3() + 1;
     // The plane x = 0 halves the cells with x-index 0.
     let corner = |c: IVec3| (c.as_dvec3() - DVec3::new(0.5, 0.0, 0.0)) * cell;
@@ -126,7 +131,12 @@ fn mean_crossing(
 }
 
 /// Moves vertices towards the mean of their neighbours, and back onto the surface.
-fn relax(field: impl Fn(DVec3) -> f64, positions: &mut [DVec3], quads: &[[usize; 4]], cell: f64) {
+fn relax(
+    field: impl Fn(DVec3) -> f64 + Sync,
+    positions: &mut [DVec3],
+    quads: &[[usize; 4]],
+    cell: f64,
+) {
     for _ in 0..RELAXATIONS {
         let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];
         for quad in quads {
@@ -143,14 +153,15 @@ fn relax(field: impl Fn(DVec3) -> f64, positions: &mut [DVec3], quads: &[[usize;
                 add(b, a);
             }
         }
-        for (position, (sum, weight)) in positions.iter_mut().zip(sums) {
+        let moves = positions.par_iter_mut().zip(sums);
+        moves.for_each(|(position, (sum, weight))| {
             let on_seam = position.x == 0.0;
             let target = position.lerp(sum / weight, 0.5);
             *position = onto_surface(&field, target, cell / 2.0);
             if on_seam {
                 position.x = 0.0;
             }
-        }
+        });
     }
 }
 

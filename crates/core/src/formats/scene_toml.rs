@@ -351,6 +351,16 @@ pub(super) enum ShapeToml {
         #[serde(default = "segments")]
         segments: u32,
     },
+    Monkey {
+        #[serde(default = "length")]
+        size: f64,
+    },
+    Dahlia {
+        #[serde(default = "length")]
+        size: f64,
+        #[serde(default = "petals")]
+        petals: u32,
+    },
 }
 
 fn length() -> f64 {
@@ -371,6 +381,10 @@ fn segments() -> u32 {
 
 fn rings() -> u32 {
     Shape::RINGS
+}
+
+fn petals() -> u32 {
+    Shape::PETALS
 }
 
 /// Conversions between the same variants, field by field, in both directions.
@@ -405,5 +419,7 @@ shapes! {
     Cone { radius, height, segments },
     Cylinder { radius, height, segments },
     Torus { radius, tube, segments, rings },
-    Disc { radius, segments }
+    Disc { radius, segments },
+    Monkey { size },
+    Dahlia { size, petals }
 }

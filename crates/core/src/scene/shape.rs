@@ -1,7 +1,7 @@
 use glam::{DVec2, DVec3};
 
-/// A mesh that a few parameters describe: closed except for the plane and the disc, centred on the origin, Y up, with
-/// normals and texture coordinates. Lengths are in scene units.
+/// A mesh that a few parameters describe: closed except for the plane and the disc, centred on the origin (the monkey
+/// and the dahlia lie around it), Y up, with normals and texture coordinates. Lengths are in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A box.
@@ -59,6 +59,19 @@ pub enum Shape {
         /// As of a sphere.
         segments: u32,
     },
+    /// The demo's monkey: a head that looks along +Z, with eyes and locks of fur that are closed parts of their own, and
+    /// materials.
+    Monkey {
+        /// Half the skull's width, about: from ear to ear it is three times as wide.
+        size: f64,
+    },
+    /// The demo's dahlia: a bloom that faces up on a stem, each petal a closed part, with materials.
+    Dahlia {
+        /// The bloom's radius, about; the stem is twice as long.
+        size: f64,
+        /// Petals of the bloom: 1 to [`Shape::PARTS`].
+        petals: u32,
+    },
 }
 
 /// A parameter out of range.
@@ -79,8 +92,11 @@ impl Shape {
     /// The default number of rings.
     pub const RINGS: u32 = 32;
 
+    /// The default number of a dahlia's petals: the demo's.
+    pub const PETALS: u32 = raycast_assets::PETALS;
+
     /// Each kind with the defaults.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Cube {
             size: DVec3::splat(Self::LENGTH),
         },
@@ -112,9 +128,14 @@ impl Shape {
             radius: Self::LENGTH,
             segments: Self::SEGMENTS,
         },
+        Self::Monkey { size: Self::LENGTH },
+        Self::Dahlia {
+            size: Self::LENGTH,
+            petals: Self::PETALS,
+        },
     ];
 
-    /// The largest number of segments, and of rings.
+    /// The largest number of segments, of rings, and of petals.
     pub const PARTS: u32 = 1 << 14;
 
     /// The kind's name, as in scene files.
@@ -127,6 +148,8 @@ impl Shape {
             Self::Cylinder { .. } => "cylinder",
             Self::Torus { .. } => "torus",
             Self::Disc { .. } => "disc",
+            Self::Monkey { .. } => "monkey",
+            Self::Dahlia { .. } => "dahlia",
         }
     }
 
@@ -146,6 +169,8 @@ impl Shape {
                 segments, rings, ..
             } => quads(segments, rings),
             Self::Disc { segments, .. } => u64::from(segments),
+            Self::Monkey { .. } => raycast_assets::MONKEY_TRIANGLES,
+            Self::Dahlia { petals, .. } => raycast_assets::dahlia_triangles(petals),
         }
     }
 
@@ -216,6 +241,11 @@ impl Shape {
             Self::Disc { radius, segments } => {
                 length("radius", radius)?;
                 parts("segments", 3, segments)
+            }
+            Self::Monkey { size } => length("size", size),
+            Self::Dahlia { size, petals } => {
+                length("size", size)?;
+                parts("petals", 1, petals)
             }
         }
     }

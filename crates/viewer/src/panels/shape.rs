@@ -69,6 +69,13 @@ pub(super) fn show(
             lengths(ui, "Radius", "From its middle", [(radius, "Its radius")]);
             parts(ui, [(segments, 3, "Segments")]);
         }
+        Shape::Monkey { size } => {
+            lengths(ui, "Size", "Half its skull's width", [(size, "Its size")]);
+        }
+        Shape::Dahlia { size, petals } => {
+            lengths(ui, "Size", "The bloom's radius", [(size, "Its size")]);
+            parts_named(ui, "Petals", "Of the bloom", [(petals, 1, "Petals")]);
+        }
     });
     if new != shape {
         out.push(Command::SetShape(number, new));
@@ -99,8 +106,17 @@ fn lengths<const N: usize>(ui: &mut Ui, name: &str, hint: &str, of: [(&mut f64, 
 
 /// A row of segments and rings, each with its least number.
 fn parts<const N: usize>(ui: &mut Ui, of: [(&mut u32, u32, &str); N]) {
-    let hint = "How many parts it has around, and across";
-    row(ui, "Parts", hint, |ui, _| {
+    parts_named(ui, "Parts", "How many parts it has around, and across", of);
+}
+
+/// A row of numbers of parts, each with its least one.
+fn parts_named<const N: usize>(
+    ui: &mut Ui,
+    name: &str,
+    hint: &str,
+    of: [(&mut u32, u32, &str); N],
+) {
+    row(ui, name, hint, |ui, _| {
         ui.spacing_mut().item_spacing.x = 3.0;
         let width = (ui.available_width() - 3.0 * (N - 1) as f32) / N as f32;
         for (parts, least, spoken) in of {

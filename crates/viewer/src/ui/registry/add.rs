@@ -38,6 +38,18 @@ pub(super) static ACTIONS: &[Action] = &[
     ),
     shape!(5, "add.torus", "Torus", "Put a ring where one orbits about"),
     shape!(6, "add.disc", "Disc", "Put a disc where one orbits about"),
+    shape!(
+        7,
+        "add.monkey",
+        "Monkey",
+        "Put a monkey's head where one orbits about"
+    ),
+    shape!(
+        8,
+        "add.dahlia",
+        "Dahlia",
+        "Put a dahlia where one orbits about"
+    ),
 ];
 
 #[cfg(test)]
