@@ -28,6 +28,7 @@
 mod file_identity;
 mod folder;
 mod journal;
+mod mesh_file;
 mod part_file;
 mod part_folder;
 mod signals;
@@ -37,6 +38,7 @@ mod unfinished;
 
 pub use folder::Folder;
 pub use journal::Journal;
+pub use mesh_file::{MESH_ENDINGS, MeshFile};
 pub use part_folder::PartFolder;
 pub use signals::watch_signals;
 pub use standard::{print, print_error, written};

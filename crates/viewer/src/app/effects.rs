@@ -50,6 +50,11 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
             let text = state.measuring.csv(&state.lengths());
             files.save_text(text, path, PromptKind::Measurements, replace);
         }
+        Effect::SaveMeshes { path, replace } => {
+            if let Some(document) = &state.document {
+                files.save_meshes(Arc::clone(&document.scene), path, replace);
+            }
+        }
         Effect::SaveOutline {
             plane: index,
             path,

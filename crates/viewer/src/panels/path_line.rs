@@ -27,6 +27,11 @@ fn words(kind: PromptKind) -> (&'static str, &'static str, &'static str) {
             "a name ending in .png, .ppm, .jpg, .tif or .exr",
         ),
         PromptKind::Measurements => ("Save the measurements", "Save", "a name ending in .csv"),
+        PromptKind::Meshes => (
+            "Save the meshes",
+            "Save",
+            "a name ending in .obj, .ply, .stl, .glb or .txt",
+        ),
         PromptKind::Outline(_) => ("Save the outline", "Save", "a name ending in .svg or .dxf"),
         PromptKind::Scene => ("Save the scene", "Save", "a name ending in .raycast.toml"),
         PromptKind::SceneCopy => (

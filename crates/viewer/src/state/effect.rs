@@ -78,6 +78,13 @@ pub enum Effect {
         /// Whether an existing file may be replaced.
         replace: bool,
     },
+    /// Write the visible objects as a mesh file, likewise.
+    SaveMeshes {
+        /// The path.
+        path: PathBuf,
+        /// Whether an existing file may be replaced.
+        replace: bool,
+    },
     /// Read the names in a folder that is typed for this purpose.
     List(String, PromptKind),
     /// Show the desktop's own dialog.

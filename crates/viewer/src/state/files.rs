@@ -8,7 +8,8 @@ use super::names::suggested_name;
 use super::texture_requests;
 use super::thumbnail::TexturePart;
 use super::{Answer, Pending, Prompt, PromptKind, Replacing, State};
-use raycast_core::formats::DrawingFormat;
+use crate::output::MESH_ENDINGS;
+use raycast_core::formats::{DrawingFormat, MeshFormat};
 use raycast_core::picture::Format;
 use std::path::{Path, PathBuf};
 
@@ -94,6 +95,7 @@ fn with_one_ending<'t>(text: &'t str, suggested: &str) -> &'t str {
     };
     let has_ending = Format::from_name(name).is_ok()
         || DrawingFormat::from_name(name).is_some()
+        || MeshFormat::from_name(name, false).is_some()
         || is_one_of(["csv", "toml"]);
     if has_ending { shorter } else { text }
 }
@@ -112,6 +114,7 @@ pub(super) fn take(
         PromptKind::Scene => save_scene_as(state, paths.pop()?, asked),
         PromptKind::SceneCopy => Some(save_scene_copy(state, paths.pop()?, asked)),
         PromptKind::Measurements => Some(save_measurements(state, paths.pop()?, asked)),
+        PromptKind::Meshes => save_meshes(state, paths.pop()?, asked),
         PromptKind::Outline(plane) => save_outline(state, plane, paths.pop()?, asked),
         PromptKind::Texture | PromptKind::TextureOf(_) => {
             state.prompt = None;
@@ -273,6 +276,7 @@ pub(super) fn replace(state: &mut State) -> Option<Effect> {
         PromptKind::Scene => save_scene_as(state, path, true),
         PromptKind::SceneCopy => Some(save_scene_copy(state, path, true)),
         PromptKind::Measurements => Some(save_measurements(state, path, true)),
+        PromptKind::Meshes => save_meshes(state, path, true),
         PromptKind::Outline(plane) => save_outline(state, plane, path, true),
         _ => save_picture(state, path, true),
     }
@@ -286,6 +290,24 @@ fn save_measurements(state: &mut State, mut path: PathBuf, replace: bool) -> Eff
         path.set_extension("csv");
     }
     Effect::SaveMeasurements { path, replace }
+}
+
+/// Saves the visible objects as a mesh file; a name without an ending gets one, and an unknown one is refused while it
+/// can still be corrected.
+fn save_meshes(state: &mut State, mut path: PathBuf, replace: bool) -> Option<Effect> {
+    if path.extension().is_none() {
+        path.set_extension("glb");
+    }
+    let name = path.to_string_lossy();
+    if MeshFormat::from_name(&name, false).is_none() {
+        state.report(format!(
+            "{name}: expected a name that ends in {MESH_ENDINGS}"
+        ));
+        return None;
+    }
+    state.prompt = None;
+    state.replacing = None;
+    Some(Effect::SaveMeshes { path, replace })
 }
 
 /// Saves the outline that a clipping plane cuts; a name without an ending gets one, and an unknown one is refused while

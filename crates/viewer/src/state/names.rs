@@ -14,6 +14,8 @@ pub fn suggested_name(state: &State, kind: PromptKind) -> String {
         PromptKind::Scene => format!("{}.raycast.toml", stem.unwrap_or("scene")),
         PromptKind::SceneCopy => format!("{}-copy.raycast.toml", stem.unwrap_or("scene")),
         PromptKind::Measurements => format!("{}.csv", stem.unwrap_or("measurements")),
+        // Not the name of a mesh that may be open.
+        PromptKind::Meshes => format!("{}-meshes.glb", stem.unwrap_or("scene")),
         PromptKind::Outline(_) => format!("{}-section.svg", stem.unwrap_or("scene")),
         _ => format!("{}.png", stem.unwrap_or("picture")),
     }

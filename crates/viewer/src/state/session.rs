@@ -17,6 +17,8 @@ pub enum PromptKind {
     Scene,
     /// Where to save a copy of the scene.
     SceneCopy,
+    /// Where to save the visible objects as a mesh file.
+    Meshes,
     /// Where to save the measurements.
     Measurements,
     /// Where to save the outline that this clipping plane cuts.
@@ -34,6 +36,7 @@ impl PromptKind {
             Self::Picture
             | Self::Scene
             | Self::SceneCopy
+            | Self::Meshes
             | Self::Measurements
             | Self::Outline(_) => true,
             Self::Open | Self::Add | Self::Texture | Self::TextureOf(_) => false,

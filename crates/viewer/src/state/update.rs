@@ -332,7 +332,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
 
         Command::SetThreads(threads) => state.threads = threads.clamp(1, 256),
 
-        Command::Ask(PromptKind::Picture | PromptKind::SceneCopy) if state.document.is_none() => {}
+        Command::Ask(PromptKind::Picture | PromptKind::SceneCopy | PromptKind::Meshes)
+            if state.document.is_none() => {}
         Command::Ask(PromptKind::Measurements) if state.measuring.list.is_empty() => {}
         Command::Ask(PromptKind::Outline(plane)) if plane >= state.settings.clip.all().len() => {}
         Command::Ask(kind) => return Some(files::ask(state, kind)),

@@ -42,6 +42,10 @@ pub(super) fn dialog(kind: PromptKind, suggested: &str) -> DialogAnswer {
             .set_title("Save the outline")
             .set_file_name(suggested)
             .save_file()),
+        PromptKind::Meshes => one(dialog
+            .set_title("Save the meshes")
+            .set_file_name(suggested)
+            .save_file()),
         PromptKind::SceneCopy => one(dialog
             .set_title("Save a copy of the scene")
             .set_file_name(suggested)

@@ -109,6 +109,63 @@ fn an_outline_is_written_and_replaces_no_file_without_permission() {
 }
 
 #[test]
+fn meshes_that_are_shown_are_written_and_replace_no_file_without_permission() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let opened = folder.path().join("open.obj");
+    std::fs::write(&opened, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+    let files = files();
+    files.open(vec![opened.clone()], Keep::Nothing);
+    assert!(matches!(wait(&files), News::Loaded(_)));
+    let mut scene = demo::scene().expect("the demo scene").scene;
+    scene.objects[1].visible = false;
+    let scene = Arc::new(scene);
+    let save = |path: &Path, replace| {
+        files.save_meshes(Arc::clone(&scene), path.to_owned(), replace);
+        let mut told = Vec::new();
+        for _ in 0..500 {
+            for news in files.fetch() {
+                match news {
+                    News::Done(text) => told.push(text),
+                    news => return (news, told),
+                }
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        panic!("no news came");
+    };
+    let path = folder.path().join("demo.glb");
+    let (news, told) = save(&path, false);
+    assert!(matches!(news, News::PictureSaved(_)), "{news:?}");
+    assert!(
+        told.iter().any(|text| text.contains("hidden objects (1)")),
+        "{told:?}"
+    );
+    let read = formats::read_scene(&path, &|_| ()).expect("a mesh").scene;
+    let names = |scene: &raycast_core::scene::Scene| -> Vec<String> {
+        let shown = scene.objects.iter().filter(|object| object.visible);
+        shown.map(|object| object.name.clone()).collect()
+    };
+    assert_eq!(names(&read), names(&scene));
+
+    let (news, _) = save(&path, false);
+    assert!(matches!(news, News::Taken(taken) if taken.by == PromptKind::Meshes));
+    let (news, _) = save(&path, true);
+    assert!(matches!(news, News::PictureSaved(_)), "{news:?}");
+    let (news, _) = save(&opened, true);
+    assert!(matches!(news, News::NotSaved(_)), "{news:?}");
+    // The library of an OBJ that is not there belongs to somebody else.
+    let library = folder.path().join("new.mtl");
+    std::fs::write(&library, "newmtl mine\n").expect("written");
+    let (news, _) = save(&folder.path().join("new.obj"), true);
+    assert!(
+        matches!(&news, News::NotSaved(text) if text.contains("new.mtl")),
+        "{news:?}"
+    );
+    let kept = std::fs::read(&library).expect("the library");
+    assert_eq!(kept, b"newmtl mine\n");
+}
+
+#[test]
 fn a_cancelled_load_sends_no_news() {
     let files = files();
     files.open(Vec::new(), Keep::Nothing);

@@ -15,6 +15,7 @@ pub(super) fn names(folder: String, kind: PromptKind) -> Listing {
         PromptKind::Picture
         | PromptKind::Scene
         | PromptKind::SceneCopy
+        | PromptKind::Meshes
         | PromptKind::Measurements
         | PromptKind::Outline(_) => &[],
     };

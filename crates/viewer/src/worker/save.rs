@@ -3,13 +3,13 @@
 use super::tasks::{Shared, lock};
 use crate::failure::Failure;
 use crate::memory;
-use crate::output::Output;
+use crate::output::{MeshFile, Output};
 use raycast_core::Accel;
 use raycast_core::camera::Grid;
 use raycast_core::formats::{DrawingFormat, SceneFile, write_section};
 use raycast_core::picture::{Format, Picture, Recipe};
 use raycast_core::render::{Cancel, View};
-use raycast_core::scene::ClippingPlane;
+use raycast_core::scene::{ClippingPlane, Scene};
 use raycast_core::section::{SectionAxes, section};
 use std::path::Path;
 use std::time::Duration;
@@ -134,6 +134,22 @@ pub(super) fn save_outline(
     output.write(&bytes)?.finish()?;
     let open = lines.iter().filter(|line| !line.is_closed).count();
     Ok(Some((open, lines.len())))
+}
+
+/// Writes the visible objects as a mesh file; returns what its format cannot represent, in sentences, or `None` where a
+/// file exists that may not be replaced.
+pub(super) fn save_meshes(
+    scene: &Scene,
+    path: &Path,
+    replace: bool,
+    shared: &Shared,
+) -> Result<Option<Vec<String>>, Failure> {
+    let opened = lock(&shared.opened).clone();
+    let output = MeshFile::at(path, false, &[])?;
+    if output.is_taken() && !replace {
+        return Ok(None);
+    }
+    output.write(scene, &opened).map(Some)
 }
 
 /// Writes text; returns false where a file exists that may not be replaced.

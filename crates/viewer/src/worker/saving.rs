@@ -2,7 +2,9 @@
 
 use super::files::{Files, Saving};
 use super::panic_text;
-use super::save::{rendered, save, save_outline, save_scene, save_scene_copy, save_text};
+use super::save::{
+    rendered, save, save_meshes, save_outline, save_scene, save_scene_copy, save_text,
+};
 use super::tasks::ANY;
 use crate::failure::Failure;
 use crate::state::effect::Copied;
@@ -10,7 +12,7 @@ use crate::state::news::News;
 use crate::state::{PromptKind, Replacing};
 use raycast_core::Accel;
 use raycast_core::formats::SceneFile;
-use raycast_core::scene::ClippingPlane;
+use raycast_core::scene::{ClippingPlane, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -82,6 +84,28 @@ impl Files {
         self.shared.spawn("raycast-save", ANY, move |shared| {
             let saved = save_text(&text, &path, replace, shared);
             Ok(news_of(saved, path, by))
+        });
+    }
+
+    /// Writes the visible objects as a mesh file, likewise, and tells what its format cannot represent.
+    pub fn save_meshes(&self, scene: Arc<Scene>, path: PathBuf, replace: bool) {
+        self.shared.saves.fetch_add(1, Ordering::Relaxed);
+        self.shared.spawn("raycast-save", ANY, move |shared| {
+            let saved = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                save_meshes(&scene, &path, replace, shared)
+            }));
+            shared.saves.fetch_sub(1, Ordering::Relaxed);
+            let saved = saved.map_err(|panic| panic_text(&*panic))?;
+            if let Ok(Some(losses)) = &saved {
+                for loss in losses {
+                    shared.tell(ANY, News::Done(format!("{}: {loss}", path.display())));
+                }
+            }
+            Ok(news_of(
+                saved.map(|losses| losses.is_some()),
+                path,
+                PromptKind::Meshes,
+            ))
         });
     }
 

@@ -54,8 +54,9 @@ impl MeshFormat {
     }
 }
 
-/// Writes the meshes of a scene in world space, object by object in order. `library` is the name by which an OBJ
-/// refers to the file of a [`MaterialLibrary`] of the same scene, and this; without it the OBJ has no materials.
+/// Writes the meshes of a scene's visible objects in world space, object by object in order; hidden ones are counted as
+/// lost. `library` is the name by which an OBJ refers to the file of a [`MaterialLibrary`] of the same scene, and this;
+/// without it the OBJ has no materials.
 ///
 /// A file that is read again has the same triangles in the same order, with the same corners where the format's
 /// numbers can represent them; decimals of text are the shortest that read back as the same number.
@@ -77,11 +78,8 @@ pub fn write_meshes(
         MeshFormat::Glb => glb::write(&parts, out, &mut written),
         MeshFormat::TriangleText => triangle_text::write(&parts, out, &mut written),
     }?;
-    let textured = scene
-        .objects
-        .iter()
-        .filter(|object| has_image(object))
-        .count();
+    let parts = || parts.parts.iter();
+    let textured = parts().filter(|part| has_image(part.object)).count();
     let has_images = match format {
         MeshFormat::Glb => true,
         MeshFormat::Obj => library.is_some(),
@@ -90,8 +88,7 @@ pub fn write_meshes(
     if textured > 0 && !has_images {
         written.lost.push(format!("images of {textured} objects"));
     }
-    let mut objects = scene.objects.iter();
-    let has_scalars = objects.any(|object| !object.mesh.scalars().is_empty());
+    let has_scalars = parts().any(|part| !part.mesh.scalars().is_empty());
     if has_scalars && !matches!(format, MeshFormat::Ply { .. }) {
         written
             .lost

@@ -21,7 +21,7 @@ pub struct MaterialLibrary {
     /// What materials have and the library has not, in words.
     pub lost: Vec<String>,
     names: Vec<String>,
-    /// For each object, indices into `names`: of the material of triangles that have none, and of its own materials.
+    /// For each visible object, indices into `names`: of the material of triangles that have none, and of its own materials.
     of_objects: Vec<(usize, Vec<usize>)>,
 }
 
@@ -29,7 +29,7 @@ pub struct MaterialLibrary {
 const NONE: &str = "none";
 
 impl MaterialLibrary {
-    /// The materials of all objects, with unique names. `stem` begins the names of images.
+    /// The materials of all visible objects, with unique names. `stem` begins the names of images.
     ///
     /// # Errors
     /// An image that PNG does not hold.
@@ -40,7 +40,7 @@ impl MaterialLibrary {
         };
         let none = writer.add(NONE, color_line(Color::DEFAULT));
         let mut of_objects = Vec::new();
-        for object in &scene.objects {
+        for object in scene.objects.iter().filter(|object| object.visible) {
             let textured = || Material::new("textured", Color::DEFAULT);
             let plain = match &object.texture {
                 None => none,

@@ -9,9 +9,10 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
 
-/// All objects, and properties of all of them together.
+/// All visible objects, and properties of all of them together.
 pub(super) struct Parts<'s> {
     pub(super) parts: Vec<Part<'s>>,
+    hidden: usize,
     /// Whether every coordinate is a single-precision number.
     pub(super) is_single: bool,
     /// Whether the shortest decimals of single-precision numbers suffice: a reader in double precision rounds them to
@@ -47,8 +48,10 @@ impl<'s> Parts<'s> {
         let transforms = scene.world_from_objects()?;
         let objects = scene.objects.iter().zip(transforms);
         let parts: Vec<Part<'s>> = objects
+            .filter(|(object, _)| object.visible)
             .map(|(object, place)| Part::new(object, place))
             .collect();
+        let hidden = scene.objects.len() - parts.len();
         let is_single = parts
             .iter()
             .flat_map(|part| &part.positions)
@@ -78,6 +81,7 @@ impl<'s> Parts<'s> {
             && recentring_offset(&as_read) == DVec3::ZERO;
         Ok(Self {
             parts,
+            hidden,
             is_single,
             short_decimals,
         })
@@ -91,6 +95,10 @@ impl<'s> Parts<'s> {
             written.vertices += part.positions.len() as u64;
             written.dropped += u64::from(part.mesh.dropped().total());
             written.emptied += part.emptied;
+        }
+        if self.hidden > 0 {
+            let count = self.hidden;
+            written.lost.push(format!("hidden objects ({count})"));
         }
         written
     }

@@ -495,3 +495,22 @@ fn a_reading_that_is_cancelled_ends_without_a_mesh() {
         );
     }
 }
+
+#[test]
+fn hidden_objects_are_left_out_and_counted() {
+    let mut all = scene([rich(), far(), rich()]);
+    all.objects[1].visible = false;
+    // A child of what is hidden stays where it is.
+    all.objects[1].transform.translate = DVec3::X;
+    all.objects[2].parent = Some(1);
+    let mut shown = all.clone();
+    shown.objects[2].parent = None;
+    shown.objects[2].transform.translate = DVec3::X;
+    shown.objects.remove(1);
+    for (name, format) in READ {
+        let (written, summary) = bytes(&all, format);
+        assert!(written == bytes(&shown, format).0, "{name}");
+        let hidden = "hidden objects (1)".to_owned();
+        assert!(summary.lost.contains(&hidden), "{name}: {:?}", summary.lost);
+    }
+}

@@ -624,3 +624,45 @@ fn escape_cancels_reading_before_it_takes_away_errors() {
     assert_eq!(update(&mut state, Command::Dismiss), None);
     assert_eq!(state.errors, [""; 0]);
 }
+
+#[test]
+fn meshes_are_saved_by_their_ending() {
+    let mut state = opened(1);
+    let kind = PromptKind::Meshes;
+    let asked = update(&mut state, Command::Ask(kind));
+    assert_eq!(asked, Some(Effect::Dialog(kind)));
+    let prompt = state.prompt.as_ref().expect("a line for the path");
+    assert_eq!(prompt.text, "mesh-meshes.glb");
+    let mut give = |name: &str| {
+        update(&mut state, Command::TypePath(name.to_owned()));
+        let effect = update(&mut state, Command::ConfirmPath);
+        (effect, state.errors.pop())
+    };
+    let (effect, error) = give("part.fbx");
+    assert_eq!(effect, None);
+    let expected = "part.fbx: expected a name that ends in .obj, .ply, .stl, .glb or .txt";
+    assert_eq!(error.as_deref(), Some(expected));
+    let saved = |path: &str, replace| {
+        Some(Effect::SaveMeshes {
+            path: path.into(),
+            replace,
+        })
+    };
+    assert_eq!(give("part").0, saved("part.glb", false));
+    update(&mut state, Command::Ask(kind));
+    // Typed over the suggestion's stem.
+    update(&mut state, Command::TypePath("part.stl.glb".to_owned()));
+    assert_eq!(
+        update(&mut state, Command::ConfirmPath),
+        saved("part.stl", false)
+    );
+    let taken = Replacing {
+        path: "part.stl".into(),
+        by: kind,
+    };
+    receive(&mut state, News::Taken(taken), Duration::ZERO);
+    assert_eq!(
+        update(&mut state, Command::Replace),
+        saved("part.stl", true)
+    );
+}

@@ -103,6 +103,16 @@ pub(super) static ACTIONS: &[Action] = &[
     .when(can_save),
     Action::of(
         Menu::File,
+        "file.meshes",
+        "Save meshes…",
+        "Write the objects that are shown as GLB, OBJ, PLY, STL or triangle text",
+        &[],
+        |_| Command::Ask(PromptKind::Meshes),
+    )
+    .when(has_scene)
+    .also("export convert glb gltf obj ply stl"),
+    Action::of(
+        Menu::File,
         "file.picture",
         "Save picture…",
         "Write the picture as PNG, PPM, JPEG or EXR",
