@@ -84,6 +84,14 @@ pub enum FormatError {
 }
 
 impl FormatError {
+    /// Whether a limit, memory or a caller ended the reading, and not the file.
+    pub(super) fn is_of_budget(&self) -> bool {
+        matches!(
+            self,
+            Self::TooMuch { .. } | Self::NoMemory { .. } | Self::Cancelled { .. }
+        )
+    }
+
     pub(super) fn io(file: &Path, source: std::io::Error) -> Self {
         Self::Io {
             position: position(file, None),

@@ -1,7 +1,6 @@
 use super::error::{FormatError, position};
 use crate::render::Cancel;
 use crate::scene::UpAxis;
-use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -54,8 +53,8 @@ struct Memory {
 pub struct Budget {
     limits: Limits,
     memory: Option<Memory>,
-    bytes: Cell<u64>,
-    triangles: Cell<u64>,
+    bytes: AtomicU64,
+    triangles: AtomicU64,
     cancel: Cancel,
 }
 
@@ -121,11 +120,11 @@ impl Budget {
 
     /// Adds an object's triangles to the count.
     pub(super) fn add_triangles(&self, file: &Path, count: u64) -> Result<(), FormatError> {
-        let sum = self.triangles.get().saturating_add(count);
+        let sum = self.triangles().saturating_add(count);
         if sum > self.limits.triangles {
             return Err(too_many_triangles(file, sum, self.limits.triangles));
         }
-        self.triangles.set(sum);
+        self.triangles.store(sum, Ordering::Relaxed);
         Ok(())
     }
 
@@ -134,8 +133,8 @@ impl Budget {
         Allowance {
             limits: self.limits,
             memory: self.memory.clone(),
-            bytes: self.bytes.get(),
-            triangles: self.triangles.get(),
+            bytes: self.bytes.load(Ordering::Relaxed),
+            triangles: self.triangles(),
             held: AtomicU64::new(0),
             cancel: self.cancel.clone(),
         }
@@ -143,7 +142,16 @@ impl Budget {
 
     /// The number of triangles still allowed.
     pub(super) fn triangles_left(&self) -> u64 {
-        self.limits.triangles - self.triangles.get()
+        self.limits.triangles - self.triangles()
+    }
+
+    fn triangles(&self) -> u64 {
+        self.triangles.load(Ordering::Relaxed)
+    }
+
+    /// Returns bytes of data that was kept and is dropped after all.
+    pub(super) fn release(&self, bytes: u64) {
+        self.bytes.fetch_sub(bytes, Ordering::Relaxed);
     }
 
     /// The number of bytes still allowed.
@@ -151,7 +159,7 @@ impl Budget {
         let memory = self.memory.as_ref().map_or(u64::MAX, |memory| memory.bytes);
         memory
             .min(self.limits.bytes)
-            .saturating_sub(self.bytes.get())
+            .saturating_sub(self.bytes.load(Ordering::Relaxed))
     }
 
     /// Checks an image's size against the limit.
@@ -271,10 +279,15 @@ impl Share<'_> {
     pub(super) fn grow(&mut self, file: &Path, what: &str, bytes: u64) -> Result<(), FormatError> {
         self.budget.check_cancelled(file)?;
         let more = bytes.saturating_sub(self.bytes);
-        let sum = self.budget.bytes.get().saturating_add(more);
         let Budget { limits, memory, .. } = self.budget;
-        check_bytes((limits, memory), file, what, (bytes, sum))?;
-        self.budget.bytes.set(sum);
+        let counted = &self.budget.bytes;
+        let mut checked = Ok(());
+        let _ = counted.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |held| {
+            let sum = held.saturating_add(more);
+            checked = check_bytes((limits, memory), file, what, (bytes, sum));
+            checked.is_ok().then_some(sum)
+        });
+        checked?;
         self.bytes += more;
         Ok(())
     }
@@ -292,8 +305,7 @@ impl Share<'_> {
 
 impl Drop for Share<'_> {
     fn drop(&mut self) {
-        let bytes = self.budget.bytes.get();
-        self.budget.bytes.set(bytes.saturating_sub(self.bytes));
+        self.budget.release(self.bytes);
     }
 }
 

@@ -5,6 +5,9 @@ use super::kind::foreign_kind;
 use super::limits::Budget;
 use crate::scene::Texture;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -24,6 +27,34 @@ const JPEG_COEFFICIENTS: u64 = 8;
 /// Memory for pixels, and for every copy of them, is counted against the budget before it is allocated.
 pub(super) fn decode(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, FormatError> {
     guarded(path, || decode_within(path, bytes, budget))?
+}
+
+/// Decodes image files in parallel, each under its key. There are none where the budget does not hold all of them
+/// together: the caller decodes them one by one, so that it does not depend on the threads which of them is refused.
+pub(super) fn decode_ahead<K: Copy + Eq + Hash + Send + Sync>(
+    files: &[(K, &Path, &[u8])],
+    budget: &Budget,
+) -> HashMap<K, Result<Texture, FormatError>> {
+    let decoded: Vec<_> = files
+        .par_iter()
+        .map(|(key, path, bytes)| (*key, decode(path, bytes, budget)))
+        .collect();
+    let is_refused = |found: &Result<Texture, FormatError>| {
+        let error = found.as_ref().err();
+        error.is_some_and(FormatError::is_of_budget)
+    };
+    if decoded.iter().any(|(_, found)| is_refused(found)) {
+        for (_, texture) in decoded {
+            budget.release(texture.map_or(0, |texture| bytes_of(&texture)));
+        }
+        return HashMap::new();
+    }
+    decoded.into_iter().collect()
+}
+
+/// The bytes of a texture that stay counted.
+fn bytes_of(texture: &Texture) -> u64 {
+    4 * u64::from(texture.width()) * u64::from(texture.height())
 }
 
 fn decode_within(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Texture, FormatError> {
@@ -190,5 +221,40 @@ mod tests {
         let closed = [&jpeg[..jpeg.len() - 30], &[0xff, 0xd9]].concat();
         let error = read("a.jpg", &closed).expect_err("half an image");
         assert!(error.to_string().contains("damaged"), "{error}");
+    }
+
+    #[test]
+    fn images_decoded_together_are_those_decoded_alone_or_none() {
+        let images = [
+            png(30, 20),
+            png(50, 40),
+            b"P6 1 1 255 ".to_vec(),
+            png(10, 10),
+        ];
+        let path = Path::new("a.png");
+        let files: Vec<_> = (0..)
+            .zip(&images)
+            .map(|(n, bytes)| (n, path, &bytes[..]))
+            .collect();
+        let budget = Budget::default();
+        let before = budget.bytes_left();
+        let together = decode_ahead(&files, &budget);
+        assert_eq!(together.len(), files.len());
+        for (number, path, bytes) in &files {
+            let alone = decode(path, bytes, &Budget::default());
+            assert_eq!(format!("{:?}", together[number]), format!("{alone:?}"));
+        }
+        let good: Vec<&Texture> = together.values().flatten().collect();
+        assert_eq!(good.len(), 3, "one is damaged");
+        let held: u64 = good.into_iter().map(bytes_of).sum();
+        assert_eq!(budget.bytes_left(), before - held);
+
+        // There is room for each while it is decoded, and not for what stays of all.
+        let budget = Budget::new(limits::Limits {
+            bytes: held - 1,
+            ..limits::Limits::default()
+        });
+        assert!(decode_ahead(&files, &budget).is_empty());
+        assert_eq!(budget.bytes_left(), held - 1, "nothing stays counted");
     }
 }

@@ -1,7 +1,7 @@
 //! A glTF file's materials.
 
 use super::data::{Bytes, Data};
-use super::json::{Material as MaterialJson, TextureInfo, TextureTransform};
+use super::json::{Material as MaterialJson, Primitive, TextureInfo, TextureTransform};
 use crate::formats::error::FormatError;
 use crate::formats::texture;
 use crate::math;
@@ -9,7 +9,9 @@ use crate::quote;
 use crate::scene::{Alpha, Color, Material, Opacity, Reflectance, Texture, Wrap};
 use crate::shade::srgb;
 use glam::{DVec2, Vec2};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Deref;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The brightest emission of a material: far beyond any picture, and far from the end of single precision.
@@ -37,6 +39,8 @@ pub(super) struct Materials<'m, 'd> {
     data: &'m Data<'d>,
     /// By image and wrapping; `None` for an image that cannot be read, which is warned about once.
     images: HashMap<ImageKey, Option<Arc<Texture>>>,
+    /// Images that were decoded before they were asked for.
+    ahead: HashMap<u32, Texture>,
     /// By image, wrapping and factor.
     tinted: HashMap<(u32, [Wrap; 2], [u64; 3]), Arc<Texture>>,
     /// Counts of used materials, by feature that is not shown.
@@ -52,12 +56,70 @@ impl<'m, 'd> Materials<'m, 'd> {
         Self {
             data,
             images: HashMap::new(),
+            ahead: HashMap::new(),
             tinted: HashMap::new(),
             unused: BTreeMap::new(),
             is_reported: vec![false; data.root.materials.len()],
             blended: 0,
             warnings: Vec::new(),
         }
+    }
+
+    /// Decodes the images of the materials of these meshes, all at once.
+    pub(super) fn decode_ahead(&mut self, meshes: impl IntoIterator<Item = u32>) {
+        let data = self.data;
+        let meshes: BTreeSet<u32> = meshes.into_iter().collect();
+        let lists = meshes.into_iter().filter_map(|mesh| {
+            let mesh = data.root.meshes.get(mesh as usize)?;
+            Some(&mesh.primitives)
+        });
+        let wanted: BTreeSet<u32> = lists
+            .flatten()
+            .flat_map(|primitive| self.images_of(primitive))
+            .collect();
+        if wanted.len() < 2 {
+            return;
+        }
+        let found: Vec<_> = wanted
+            .into_iter()
+            .filter_map(|image| Some((image, self.image_bytes(image).ok()?)))
+            .collect();
+        let files: Vec<_> = found
+            .iter()
+            .map(|(image, bytes)| (*image, bytes.path(data.path), &**bytes))
+            .collect();
+        let ahead = texture::decode_ahead(&files, data.files.budget());
+        let good = ahead
+            .into_iter()
+            .filter_map(|(image, read)| Some((image, read.ok()?)));
+        self.ahead = good.collect();
+    }
+
+    /// The images that [`Materials::material`] will ask for, as far as nothing is wrong with them.
+    fn images_of(&self, primitive: &Primitive) -> Vec<u32> {
+        let (root, material) = (self.data.root, primitive.material);
+        let json = material.and_then(|index| root.materials.get(index as usize));
+        let base = material.and_then(|index| self.base(index, "").ok());
+        let Some((json, placed)) = json.zip(base.and_then(|base| base.placed)) else {
+            return Vec::new();
+        };
+        let coordinates = format!("TEXCOORD_{}", Coordinates::set(placed));
+        if !primitive.attributes.contains_key(coordinates.as_str()) {
+            return Vec::new();
+        }
+        let pbr = &json.pbr_metallic_roughness;
+        let others = match json.extensions.specular_glossiness {
+            Some(_) => [None, json.emissive_texture.as_ref()],
+            None => [
+                pbr.metallic_roughness_texture.as_ref(),
+                json.emissive_texture.as_ref(),
+            ],
+        };
+        let others = others.into_iter().flatten();
+        let others = others.filter(|info| are_placed_alike(placed, info));
+        let all = base.and_then(|base| base.texture).into_iter().chain(others);
+        let source = |info: &TextureInfo| root.textures.get(info.index as usize)?.source;
+        all.filter_map(source).collect()
     }
 
     /// A material's base colour.
@@ -93,11 +155,10 @@ impl<'m, 'd> Materials<'m, 'd> {
             let Some(info) = info.as_ref() else {
                 return Ok(None);
             };
-            let fits = |placed: &TextureInfo| {
-                Coordinates::set(placed) == Coordinates::set(info)
-                    && Coordinates::new(placed) == Coordinates::new(info)
-            };
-            if !has_coordinates || !base.placed.is_some_and(fits) {
+            let fits = base
+                .placed
+                .is_some_and(|placed| are_placed_alike(placed, info));
+            if !has_coordinates || !fits {
                 *self.unused.entry(what).or_default() += 1;
                 return Ok(None);
             }
@@ -301,37 +362,72 @@ impl<'m, 'd> Materials<'m, 'd> {
     }
 
     /// An image, or one line that says why it cannot be read.
-    fn image(&self, index: u32) -> Result<Texture, String> {
+    fn image(&mut self, index: u32) -> Result<Texture, String> {
+        if let Some(image) = self.ahead.remove(&index) {
+            return Ok(image);
+        }
+        let data = self.data;
+        let bytes = self.image_bytes(index)?;
+        let decoded = texture::decode(bytes.path(data.path), &bytes, data.files.budget());
+        decoded.map_err(|error| match bytes {
+            ImageBytes::Resource(Bytes::File(..)) => error.to_string(),
+            _ => {
+                let path = quote::path(data.path);
+                format!("{path}: images[{index}]: {}", error.reason())
+            }
+        })
+    }
+
+    /// The file of an image, or one line that says why it cannot be read.
+    fn image_bytes(&self, index: u32) -> Result<ImageBytes<'m, 'd>, String> {
         let data = self.data;
         let location = format!("images[{index}]");
-        let budget = data.files.budget();
-        let decode = |bytes: &[u8]| {
-            texture::decode(data.path, bytes, budget).map_err(|error| {
-                format!("{}: {location}: {}", quote::path(data.path), error.reason())
-            })
-        };
         let Some(image) = data.root.images.get(index as usize) else {
-            return Err(format!(
-                "{}: {location}: there is none",
-                quote::path(data.path)
-            ));
+            let path = quote::path(data.path);
+            return Err(format!("{path}: {location}: there is none"));
         };
-        if let Some(view) = image.buffer_view {
-            let (bytes, _) = data
+        let found = match image.buffer_view {
+            Some(view) => data
                 .view(view, &location)
-                .map_err(|error| error.to_string())?;
-            return decode(bytes);
-        }
-        let resource = data
-            .resource(&location, &image.uri)
-            .map_err(|error| error.to_string())?;
-        match &resource {
-            Bytes::File(bytes, path) => {
-                texture::decode(path, bytes, budget).map_err(|error| error.to_string())
-            }
-            bytes => decode(bytes),
+                .map(|(bytes, _)| ImageBytes::View(bytes)),
+            None => data
+                .resource(&location, &image.uri)
+                .map(ImageBytes::Resource),
+        };
+        found.map_err(|error| error.to_string())
+    }
+}
+
+/// An image as a file, in a buffer or beside it.
+enum ImageBytes<'m, 'd> {
+    View(&'m [u8]),
+    Resource(Bytes<'d>),
+}
+
+impl ImageBytes<'_, '_> {
+    /// The image's own file, or the one that it is a part of.
+    fn path<'p>(&'p self, whole: &'p Path) -> &'p Path {
+        match self {
+            Self::Resource(Bytes::File(_, path)) => path,
+            _ => whole,
         }
     }
+}
+
+impl Deref for ImageBytes<'_, '_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::View(bytes) => bytes,
+            Self::Resource(bytes) => bytes,
+        }
+    }
+}
+
+/// Whether two textures have the same coordinates.
+fn are_placed_alike(a: &TextureInfo, b: &TextureInfo) -> bool {
+    Coordinates::set(a) == Coordinates::set(b) && Coordinates::new(a) == Coordinates::new(b)
 }
 
 /// A colour of linear light.

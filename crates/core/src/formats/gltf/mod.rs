@@ -72,6 +72,7 @@ pub(super) fn read(
     data.name_files();
     let mesh_nodes = nodes::mesh_nodes(&data)?;
     let mut materials = Materials::new(&data);
+    materials.decode_ahead(mesh_nodes.iter().map(|node| node.mesh));
     let mut skipped = Skipped::default();
     let mut placed = PlacedMeshes::default();
     let mut meshes: HashMap<u32, usize> = HashMap::new();

@@ -10,7 +10,7 @@ use crate::formats::parsed::BLENDED;
 use crate::formats::texture;
 use crate::quote::{self, quote};
 use crate::scene::{Alpha, Opacity, Texture, Wrap};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -69,6 +69,10 @@ pub(super) fn materials(
     used.dedup();
     let texture = common_image(text, &materials);
     let mut images = Images::new(path, files, warnings);
+    images.decode_ahead(
+        used.iter().map(|&number| &materials[number]),
+        texture.is_none(),
+    );
     if texture.is_none() {
         for &number in &used {
             let (material, library) = &mut materials[number];
@@ -118,6 +122,8 @@ struct Images<'f> {
     /// `None` for one that cannot be read, of which a warning says why.
     /// With whether it is clamped.
     known: HashMap<(PathBuf, bool), Option<Arc<Texture>>>,
+    /// Images that were read before they were asked for.
+    ahead: HashMap<PathBuf, Result<Texture, FormatError>>,
 }
 
 impl<'f> Images<'f> {
@@ -127,7 +133,45 @@ impl<'f> Images<'f> {
             files,
             warnings,
             known: HashMap::new(),
+            ahead: HashMap::new(),
         }
+    }
+
+    /// Decodes the images of materials all at once: of opacity, and with `colors` of colour.
+    fn decode_ahead<'m>(
+        &mut self,
+        materials: impl Iterator<Item = &'m (MtlMaterial, PathBuf)>,
+        colors: bool,
+    ) {
+        let wanted: BTreeSet<PathBuf> = materials
+            .flat_map(|(material, library)| {
+                let color = material.texture.as_ref().filter(|_| colors);
+                let images = color.into_iter().chain(&material.opacity);
+                images.map(|image| beside(library, &image.name))
+            })
+            .collect();
+        if wanted.len() < 2 {
+            return;
+        }
+        let mut found = Vec::new();
+        for path in &wanted {
+            match self.bytes(path) {
+                Ok(bytes) => found.push((path.as_path(), bytes)),
+                Err(error) if error.is_of_budget() => return,
+                Err(error) => {
+                    self.ahead.insert(path.clone(), Err(error));
+                }
+            }
+        }
+        let files = found.iter().map(|(path, bytes)| (*path, *path, &**bytes));
+        let files: Vec<_> = files.collect();
+        let decoded = texture::decode_ahead(&files, self.files.budget());
+        let decoded = decoded.into_iter();
+        (self.ahead).extend(decoded.map(|(path, read)| (path.to_owned(), read)));
+    }
+
+    fn bytes(&self, path: &Path) -> Result<Contents<'f>, FormatError> {
+        self.files.read(path, NamedBy::Mesh(self.path), &|_| ())
     }
 
     /// An image of a library; `what` it is to it is for the warning.
@@ -137,9 +181,12 @@ impl<'f> Images<'f> {
             return known.clone();
         }
         let file = &key.0;
-        let read = (self.files)
-            .read(file, NamedBy::Mesh(self.path), &|_| ())
-            .and_then(|bytes| texture::decode(file, &bytes, self.files.budget()));
+        let read = match self.ahead.remove(file) {
+            Some(read) => read,
+            None => self
+                .bytes(file)
+                .and_then(|bytes| texture::decode(file, &bytes, self.files.budget())),
+        };
         let texture = match read {
             Ok(texture) if image.options.clamps => Some(texture.wrapped([Wrap::Clamp; 2])),
             Ok(texture) => Some(texture),
