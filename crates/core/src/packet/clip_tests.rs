@@ -136,6 +136,42 @@ fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
     }
 }
 
+/// A fan's corner next to the eye, far from the origin, and a plane through the corner: what it keeps is decided at a
+/// small part of the eye's coordinates.
+#[test]
+fn a_plane_next_to_the_eye_and_to_a_fans_corner_is_decided_by_packets() {
+    let mut random = Random(21);
+    let corner = DVec3::new(558_767.5, -6_113_849.0, -7_169_420.5);
+    let mut outer = || (corner + random.point() * 1e6).as_vec3().as_dvec3();
+    let fan: Vec<_> = (0..300).map(|_| [corner, outer(), outer()]).collect();
+    let [_, b, c] = fan[0];
+    let normal = (b - corner).cross(c - corner).normalize();
+    let accel = accel(fan);
+    let plane = ClippingPlane::new(normal, normal.dot(corner)).expect("a plane");
+    let clipped = accel.clipped(&ClippingPlanes::new(&[plane]).expect("one"));
+    let eye = corner.with_x(corner.x.next_up());
+    let pose = Pose::towards(eye, corner + random.point() * 1e6);
+    let plane = ImagePlane::new(80, 60, 2e4).expect("a good plane");
+    let panorama = Projection::Panoramic(Panorama::Equirectangular);
+    for projection in [Projection::Perspective, panorama] {
+        let lattice = Camera::new(pose, projection, plane).whole().lattice();
+        let mut primitives = Vec::new();
+        let counts = clipped.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
+        for (at, &primitive) in (0..).zip(&primitives) {
+            let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
+            let expected = clipped.cast_primitive(&ray, Cull::None, Precision::Exact);
+            assert_eq!(primitive, expected.primitive, "{projection:?} {at}");
+        }
+        let undecided = counts.double_rays + counts.exact_rays;
+        assert!(counts.hits > 1000, "{}", counts.hits);
+        assert!(
+            undecided < counts.hits / 10,
+            "{projection:?}: {undecided} of {}",
+            counts.hits
+        );
+    }
+}
+
 #[test]
 fn the_clipped_tree_answers_as_brute_force_does() {
     let mut random = Random(18);

@@ -11,15 +11,22 @@
 //!   4.1ε(Σ|nᵢOᵢ| + |c|), higher orders included.
 //! * **Corners.** n·V + k likewise: 4.1ε(Σ|nᵢVᵢ| + |k|), and what k is off by. A normal that is an axis, of length
 //!   one, needs no products: where k is not rounded the sum of two numbers has the sign that it must, and no bound.
+//! * **Corners next to a plane.** In double-double arithmetic V + O is exact, a product with nᵢ is off by 5ε² of itself and
+//!   a sum by 3.1ε²: 14.4ε²(Σ|nᵢ|(|Vᵢ| + |Oᵢ|) + |c|).
 //! * **Hits.** At t ± τ along a ray o + t·d it is (n·o − c) + t·(n·d). A term is rounded at most six times in all:
 //!   6.1ε(Σ|nᵢoᵢ| + |c| + (|t| + τ)·Σ|nᵢdᵢ|), and τ·Σ|nᵢdᵢ| for τ itself.
+//! * **Hits next to the eye**, at a small part of its coordinates. In double-double arithmetic products are exact, and
+//!   the three sums of f = n·o − c are off by less than 3.1ε² of partial sums, which are at most Σ|nᵢoᵢ| + |c| and a
+//!   little: 9.4ε²(Σ|nᵢoᵢ| + |c|). Its higher part and the sum with t·(n·d) are rounded once each: ε|f| each, and
+//!   6.1ε(|t| + τ)·Σ|nᵢdᵢ| as above.
 //!
 //! Products below the range of normal numbers lose 2⁻¹⁰⁷⁵ each, those with t that times |t| + τ; [`TINY`] times
 //! 1 + |t| + τ is more than all of these. What leaves the range at the other end is infinite or NaN, and so is its
 //! bound: comparisons fail, and exact arithmetic decides.
 
 use super::BoundedHit;
-use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, subtract};
+use crate::num::double_double::DoubleDouble;
+use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, sized, subtract};
 use crate::num::integer::Integer;
 use crate::num::roundoff::EPSILON;
 use crate::ray::Ray;
@@ -157,16 +164,15 @@ impl Clip {
     /// The planes' functions at an eye in world space: zero, without an error, where it lies on a plane.
     pub(crate) fn at_eye(&self, eye: DVec3) -> impl Iterator<Item = AtEye> {
         self.planes.iter().map(move |plane| {
-            let terms = plane.normal * eye;
-            let size = terms.abs().element_sum() + plane.offset.abs();
-            let value = terms.element_sum() - plane.offset;
-            let error = 4.1 * EPSILON * size + TINY;
-            let is_on = value.abs() <= error
-                && Self::exact_sign_of_sum(plane, eye, DVec3::ZERO) == Ordering::Equal;
+            let is_on = plane.sign_at_sum(eye, DVec3::ZERO) == Ordering::Equal;
+            let (value, error) = match is_on {
+                true => (0.0, 0.0),
+                false => plane.at_point(eye),
+            };
             AtEye {
                 normal: plane.normal,
-                value: if is_on { 0.0 } else { value },
-                error: if is_on { 0.0 } else { error },
+                value,
+                error,
             }
         })
     }
@@ -222,55 +228,84 @@ impl Clip {
     /// The exact sign of n·(V + O) − c.
     #[inline(never)]
     fn exact_sign(&self, plane: &PreparedPlane, corner: Vec3) -> Ordering {
-        Self::exact_sign_of_sum(plane, corner.as_dvec3(), self.origin)
+        plane.sign_at_sum(corner.as_dvec3(), self.origin)
     }
 
-    /// The exact sign of n·(p + q) − c.
-    fn exact_sign_of_sum(plane: &PreparedPlane, p: DVec3, q: DVec3) -> Ordering {
-        let lengths = Scale::of_vectors([&p, &q]);
-        let normals = Scale::of_vectors([&plane.normal]);
-        let point = add(&lengths.vector(p), &lengths.vector(q));
-        let product = dot(&normals.vector::<BigInt>(plane.normal), &point);
-        let (mantissa, exponent) = decompose(plane.offset);
-        let offset = BigInt::from(mantissa);
-        compare_scaled(
-            &product,
-            normals.exponent + lengths.exponent,
-            &offset,
-            exponent,
-        )
-    }
-
-    /// The exact sign of n·p − c at the point p where a ray hits a triangle: the mean of the corners weighted by
-    /// d·(B×C), d·(C×A) and d·(A×B), with corners relative to the ray's origin. If the weights sum to zero there is
-    /// no hit.
+    /// The exact sign of n·p − c at the point p where a ray hits a triangle.
     #[inline(never)]
     fn exact_sign_at_hit(&self, plane: &PreparedPlane, ray: &Ray, corners: [Vec3; 3]) -> Ordering {
-        let corners = corners.map(Vec3::as_dvec3);
-        let lengths = Scale::of_vectors(corners.iter().chain([&self.origin, &ray.origin]));
-        let directions = Scale::of_vectors([&ray.direction]);
-        let normals = Scale::of_vectors([&plane.normal]);
-        let origin = lengths.vector::<BigInt>(self.origin);
-        let points = corners.map(|corner| add(&lengths.vector(corner), &origin));
-        let eye = lengths.vector::<BigInt>(ray.origin);
-        let [a, b, c] = [0, 1, 2].map(|i| subtract(&points[i], &eye));
-        let direction = directions.vector::<BigInt>(ray.direction);
-        let weights = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&direction, &cross(p, q)));
-        let sum = weights[0].plus(&weights[1]).plus(&weights[2]);
-        let normal = normals.vector::<BigInt>(plane.normal);
-        let [x, y, z] = [0, 1, 2].map(|i| weights[i].times(&dot(&normal, &points[i])));
-        let (mantissa, exponent) = decompose(plane.offset);
-        let order = compare_scaled(
-            &x.plus(&y).plus(&z),
-            normals.exponent + lengths.exponent,
-            &sum.times(&BigInt::from(mantissa)),
-            exponent,
-        );
-        match Integer::sign(&sum) {
-            Ordering::Greater => order,
-            Ordering::Less => order.reverse(),
-            Ordering::Equal => Ordering::Less,
+        let query = self.at_hit(plane, ray, corners);
+        let AtHit {
+            lengths,
+            directions,
+            normals,
+            ..
+        } = query;
+        // The sign's longest number is a weight times n·p, below 2^(2L + D + 9) and 2^(N + L + 4): shorter than what
+        // is provided for if N is no longer than 2L.
+        if normals.bits <= 2 * lengths.bits {
+            sized!(lengths, directions, sign_at_hit(&query))
+        } else {
+            sign_at_hit::<BigInt>(&query)
         }
+    }
+
+    fn at_hit<'a>(&self, plane: &'a PreparedPlane, ray: &'a Ray, corners: [Vec3; 3]) -> AtHit<'a> {
+        let corners = corners.map(Vec3::as_dvec3);
+        AtHit {
+            plane,
+            ray,
+            corners,
+            origin: self.origin,
+            lengths: Scale::of_vectors(corners.iter().chain([&self.origin, &ray.origin])),
+            directions: Scale::of_vectors([&ray.direction]),
+            normals: Scale::of_vectors([&plane.normal]),
+        }
+    }
+}
+
+/// A plane, and a ray that hits a triangle with `corners` relative to `origin`; with the scales of their numbers.
+struct AtHit<'a> {
+    plane: &'a PreparedPlane,
+    ray: &'a Ray,
+    corners: [DVec3; 3],
+    origin: DVec3,
+    lengths: Scale,
+    directions: Scale,
+    normals: Scale,
+}
+
+/// The sign of n·p − c where p is the mean of the corners weighted by d·(B×C), d·(C×A) and d·(A×B), with corners
+/// relative to the ray's origin. If the weights sum to zero there is no hit.
+fn sign_at_hit<I: Integer>(query: &AtHit<'_>) -> Ordering {
+    let AtHit {
+        lengths,
+        directions,
+        normals,
+        ..
+    } = *query;
+    let origin = lengths.vector::<I>(query.origin);
+    let points = query
+        .corners
+        .map(|corner| add(&lengths.vector(corner), &origin));
+    let eye = lengths.vector::<I>(query.ray.origin);
+    let [a, b, c] = [0, 1, 2].map(|i| subtract(&points[i], &eye));
+    let direction = directions.vector::<I>(query.ray.direction);
+    let weights = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&direction, &cross(p, q)));
+    let sum = weights[0].plus(&weights[1]).plus(&weights[2]);
+    let normal = normals.vector::<I>(query.plane.normal);
+    let [x, y, z] = [0, 1, 2].map(|i| weights[i].times(&dot(&normal, &points[i])));
+    let (mantissa, exponent) = decompose(query.plane.offset);
+    let order = compare_scaled(
+        &x.plus(&y).plus(&z),
+        normals.exponent + lengths.exponent,
+        &sum.times(&I::shifted(mantissa, 0)),
+        exponent,
+    );
+    match sum.sign() {
+        Ordering::Greater => order,
+        Ordering::Less => order.reverse(),
+        Ordering::Equal => Ordering::Less,
     }
 }
 
@@ -309,23 +344,88 @@ impl PreparedPlane {
         (value, error)
     }
 
-    /// The sign of n·p − c at a hit of a ray, where the bound decides it.
+    /// The sign of n·p − c at a hit of a ray, where a bound decides it.
     fn sign_along(&self, ray: &Ray, hit: &BoundedHit) -> Option<Ordering> {
         let before = self.normal * ray.origin;
         let along = self.normal * ray.direction;
-        let value = before.element_sum() - self.offset + hit.t * along.element_sum();
         let steep = along.abs().element_sum();
         let size = before.abs().element_sum() + self.offset.abs();
-        let size = size + (hit.t.abs() + hit.t_error) * steep;
-        let error = 6.1 * EPSILON * size + 1.001 * hit.t_error * steep;
-        let error = error + TINY * (1.0 + hit.t.abs() + hit.t_error);
-        if value > error {
-            Some(Ordering::Greater)
-        } else if value < -error {
-            Some(Ordering::Less)
-        } else {
-            None
-        }
+        let far = hit.t.abs() + hit.t_error;
+        let of_hit = 6.1 * EPSILON * far * steep + 1.001 * hit.t_error * steep + TINY * (1.0 + far);
+        let further = hit.t * along.element_sum();
+
+        let at_eye = before.element_sum() - self.offset;
+        let sign = sign_of(at_eye + further, 6.1 * EPSILON * size + of_hit);
+        sign.or_else(|| {
+            let (at_eye, of_eye) = self.at_point(ray.origin);
+            sign_of(
+                at_eye + further,
+                of_eye + 1.1 * EPSILON * at_eye.abs() + of_hit,
+            )
+        })
+    }
+
+    /// n·p − c from double-double arithmetic, and a bound on its error.
+    fn at_point(&self, p: DVec3) -> (f64, f64) {
+        let size = self.normal.abs().dot(p.abs()) + self.offset.abs();
+        let value = self.at_sum(p, DVec3::ZERO);
+        let rounding = 1.1 * EPSILON * value.abs();
+        (value, 9.5 * EPSILON * EPSILON * size + rounding + TINY)
+    }
+
+    /// n·(p + q) − c in double-double arithmetic, rounded.
+    #[inline(never)]
+    fn at_sum(&self, p: DVec3, q: DVec3) -> f64 {
+        let product = |axis: usize| {
+            DoubleDouble::from(self.normal[axis]) * DoubleDouble::difference(p[axis], -q[axis])
+        };
+        (product(0) + product(1) + product(2) - self.offset.into()).high
+    }
+
+    /// The exact sign of n·(p + q) − c.
+    fn sign_at_sum(&self, p: DVec3, q: DVec3) -> Ordering {
+        self.sign_at_sum_closely(p, q).unwrap_or_else(|| {
+            let lengths = Scale::of_vectors([&p, &q]);
+            let normals = Scale::of_vectors([&self.normal]);
+            sized!(
+                lengths,
+                normals,
+                integer_sign_at_sum(self, [p, q], (lengths, normals))
+            )
+        })
+    }
+
+    /// That sign, where double-double arithmetic decides it.
+    fn sign_at_sum_closely(&self, p: DVec3, q: DVec3) -> Option<Ordering> {
+        let size = self.normal.abs().dot(p.abs() + q.abs()) + self.offset.abs();
+        sign_of(self.at_sum(p, q), 14.5 * EPSILON * EPSILON * size + TINY)
+    }
+}
+
+/// The exact sign of n·(p + q) − c.
+fn integer_sign_at_sum<I: Integer>(
+    plane: &PreparedPlane,
+    [p, q]: [DVec3; 2],
+    (lengths, normals): (Scale, Scale),
+) -> Ordering {
+    let point = add(&lengths.vector(p), &lengths.vector(q));
+    let (mantissa, exponent) = decompose(plane.offset);
+    compare_scaled(
+        &dot(&normals.vector::<I>(plane.normal), &point),
+        normals.exponent + lengths.exponent,
+        &I::shifted(mantissa, 0),
+        exponent,
+    )
+}
+
+/// The sign of a value that is off by at most `error`, where that decides it.
+fn sign_of(value: f64, error: f64) -> Option<Ordering> {
+    if value > error {
+        Some(Ordering::Greater)
+    } else if value < -error {
+        Some(Ordering::Less)
+    } else {
+        None
     }
 }
 
@@ -336,8 +436,51 @@ fn add<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> Vector<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::double_double::DoubleDouble;
+    use crate::hit::Cull;
     use crate::random::Random;
+    use crate::triangle::exact::{self, OffsetTriangle};
+
+    fn integers(plane: &PreparedPlane, corner: Vec3, origin: DVec3) -> Ordering {
+        let points = [corner.as_dvec3(), origin];
+        let scales = (
+            Scale::of_vectors(&points),
+            Scale::of_vectors([&plane.normal]),
+        );
+        integer_sign_at_sum::<BigInt>(plane, points, scales)
+    }
+
+    /// Planes through corners except for the roundings of double-double arithmetic. The truth is integer arithmetic;
+    /// without the bound this fails.
+    #[test]
+    fn what_double_double_decides_about_corners_is_what_integers_decide() {
+        let mut random = Random(73);
+        let [mut sure, mut close] = [0; 2];
+        for round in 0..30_000 {
+            let origin = random.point() * [0.0, 1e3, 1e9][round % 3];
+            let corner = random.point().as_vec3();
+            let way = corner.as_dvec3() + origin;
+            // The sum of the products is some 2⁻⁵³ of them, and the offset all of that but 2⁻⁵³.
+            let mut normal = random.point();
+            normal -= way * (normal.dot(way) / way.length_squared());
+            let product = |axis: usize| {
+                DoubleDouble::from(normal[axis])
+                    * DoubleDouble::difference(corner[axis].into(), -origin[axis])
+            };
+            let rest = product(0) + product(1) + product(2);
+            let offset = rest.high * (1.0 + 60.0 * random.signed() * EPSILON);
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            let plane = PreparedPlane::new(&plane, origin);
+            let truth = integers(&plane, corner, origin);
+            let closely = plane.sign_at_sum_closely(corner.as_dvec3(), origin);
+            assert!(
+                closely.is_none_or(|sign| sign == truth),
+                "{plane:?} {corner}"
+            );
+            sure += usize::from(closely.is_some());
+            close += usize::from(closely.is_none());
+        }
+        assert!(sure > 1000 && close > 1000, "{sure} {close}");
+    }
 
     /// Planes through corners and hits except for rounding, with products that underflow. The truth is integer
     /// arithmetic, and double-double arithmetic on scaled numbers. Without [`TINY`] this fails, for corners and for
@@ -356,7 +499,7 @@ mod tests {
             let planes = ClippingPlanes::new(&[plane]).expect("one plane");
             let clip = Clip::new(&planes, DVec3::ZERO);
             let plane = &clip.planes[0];
-            let truth = clip.exact_sign(plane, point);
+            let truth = integers(plane, point, DVec3::ZERO);
             assert_eq!(clip.at(plane, point).sign, truth, "{plane:?} {point}");
             close += usize::from(plane.at(point).0.abs() < 10.0 * least);
 
@@ -405,7 +548,8 @@ mod tests {
             let planes = ClippingPlanes::new(&[plane]).expect("one plane");
             let clip = Clip::new(&planes, origin);
             let (value, error) = clip.planes[0].at(corner);
-            let truth = clip.exact_sign(&clip.planes[0], corner);
+            let truth = integers(&clip.planes[0], corner, origin);
+            assert_eq!(clip.exact_sign(&clip.planes[0], corner), truth);
             if value.abs() > error {
                 assert_eq!(value.total_cmp(&0.0), truth, "{plane:?} {corner} {origin}");
                 sure += 1;
@@ -432,6 +576,81 @@ mod tests {
             }
         }
         assert!(sure > 5_000 && exact > 5_000, "{sure} {exact}");
+    }
+
+    /// A triangle, a ray from next to its first corner and a plane through the hit, except for 10⁻³²: the corner's products
+    /// with the normal cancel to some 10⁻²⁴, and the hit is as far away.
+    fn hit_next_to_a_corner(random: &mut Random) -> (OffsetTriangle, Ray, ClippingPlane) {
+        let normal = random.point();
+        let origin = random.point().with_z(0.0);
+        let product = |axis: usize, x: f64| DoubleDouble::from(normal[axis]) * x.into();
+        let in_plane = product(0, origin.x) + product(1, origin.y);
+        let offset = in_plane.high;
+        let rest = in_plane - offset.into();
+        let a = Vec3::Z * (-rest.high / normal.z) as f32;
+        let at_corner = (rest + product(2, a.z.into())).high;
+        let [b, c] = [(); 2].map(|()| random.point().as_vec3());
+        let [ab, ac] = [b, c].map(|corner| (corner - a).as_dvec3());
+        let along = at_corner.abs() * random.unit();
+        let at_hit = 1e-32 * random.signed();
+        let way = at_corner + along * normal.dot(ab) - at_hit;
+        let way = ab * along - ac * (way / normal.dot(ac));
+        // Next to zero, z has digits for so small a step.
+        let step = at_corner * random.signed();
+        let eye = origin.with_z(f64::from(a.z) + step);
+        let direction = (way - DVec3::Z * step) / at_corner.abs();
+        let triangle = OffsetTriangle {
+            corners: [a, b, c],
+            origin,
+        };
+        let plane = ClippingPlane::new(normal, offset).expect("a plane");
+        (triangle, Ray::new(eye, direction), plane)
+    }
+
+    /// Hits and planes next to the eye, at a small part of its coordinates. The truth is integer arithmetic; without the
+    /// bound on what double-double arithmetic rounds fewer are left to it.
+    #[test]
+    fn what_double_double_decides_about_hits_is_what_integers_decide() {
+        let mut random = Random(74);
+        let [mut sure, mut close] = [0; 2];
+        for round in 0..40_000 {
+            let (triangle, ray, plane) = if round % 4 == 0 {
+                hit_next_to_a_corner(&mut random)
+            } else {
+                let middle = random.point() * [1.0, 1e3, 1e6][round % 3];
+                let size = middle.length() * crate::math::pow(10.0, -16.0 * random.unit());
+                let mut near = || middle + random.point() * size;
+                let corners = [near(), near(), near()].map(|corner| corner.as_vec3());
+                let eye = near();
+                let target = corners.map(Vec3::as_dvec3).into_iter().sum::<DVec3>() / 3.0;
+                let normal = random.point();
+                let beside = size * crate::math::pow(10.0, -20.0 * random.unit());
+                let offset = normal.dot(target) + beside * random.signed();
+                let triangle = OffsetTriangle {
+                    corners,
+                    origin: DVec3::ZERO,
+                };
+                let plane = ClippingPlane::new(normal, offset).expect("a plane");
+                (triangle, Ray::new(eye, target - eye), plane)
+            };
+            let OffsetTriangle { corners, origin } = triangle;
+            let Some(hit) = exact::hit(&ray, &triangle, Cull::None, 0) else {
+                continue;
+            };
+            let planes = ClippingPlanes::new(&[plane]).expect("one plane");
+            let clip = Clip::new(&planes, origin);
+            let plane = &clip.planes[0];
+            let truth = sign_at_hit::<BigInt>(&clip.at_hit(plane, &ray, corners));
+            assert_eq!(clip.exact_sign_at_hit(plane, &ray, corners), truth);
+            let sign = plane.sign_along(&ray, &hit);
+            assert!(
+                sign.is_none_or(|sign| sign == truth),
+                "{ray:?} {corners:?} {plane:?}"
+            );
+            sure += usize::from(sign.is_some());
+            close += usize::from(sign.is_none());
+        }
+        assert!(sure > 1000 && close > 1000, "{sure} {close}");
     }
 
     /// A hit is off by as much as its bound allows: a plane that it may lie on either side of is left to exact
