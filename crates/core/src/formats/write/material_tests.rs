@@ -201,7 +201,7 @@ fn a_glb_has_the_images_of_materials_and_objects() {
         written.lost
     );
     let (_, as_ply) = self::bytes(&scene, MeshFormat::Ply { ascii: false });
-    assert!(as_ply.lost.contains(&"images of 3 objects".to_owned()));
+    assert!(as_ply.lost.contains(&"images of objects (3)".to_owned()));
 
     let nothing = |_: &str| None;
     let budget = Budget::default();

@@ -86,7 +86,7 @@ pub fn write_meshes(
         _ => false,
     };
     if textured > 0 && !has_images {
-        written.lost.push(format!("images of {textured} objects"));
+        written.lost.push(format!("images of objects ({textured})"));
     }
     let has_scalars = parts().any(|part| !part.mesh.scalars().is_empty());
     if has_scalars && !matches!(format, MeshFormat::Ply { .. }) {
