@@ -59,6 +59,17 @@ pub fn dahlia(petals: u32) -> Model {
     model
 }
 
+/// Quads along a petal and across it.
+type Grid = (usize, usize);
+const COARSE: Grid = (4, 2);
+const FINE: Grid = (6, 4);
+
+/// The number of triangles of a petal: both sides have quads in each row but the last, at the tip,
+/// which has triangles.
+fn petal_triangles((rows, columns): Grid) -> u64 {
+    2 * (columns * (2 * rows - 1)) as u64
+}
+
 /// A petal's shape, before it is put in its place.
 struct Petal {
     /// Where it is attached.
@@ -77,8 +88,8 @@ struct Petal {
     cup: (f64, f64),
     /// Half its thickness.
     half_thickness: f64,
-    /// Quads along and across it; an even number across.
-    grid: (usize, usize),
+    /// Its quads; an even number across.
+    grid: Grid,
 }
 
 /// Petal `index` of `petals`, counted from the middle of the bud.
@@ -98,9 +109,9 @@ fn petal_of_bloom(index: u32, petals: u32) -> Model {
         cup: (1.6, curve(&[1.3, 1.2, 1.1, 1.0, 0.9, 0.8, 0.75], out)),
         half_thickness: 0.008,
         grid: if index < bud_petals(petals) {
-            (4, 2)
+            COARSE
         } else {
-            (6, 4)
+            FINE
         },
     };
     petal.model(|along| {
@@ -117,12 +128,16 @@ fn bud_petals(petals: u32) -> u32 {
 /// The number of triangles of a dahlia with this many petals.
 pub fn dahlia_triangles(petals: u32) -> u64 {
     let bud = u64::from(bud_petals(petals));
-    let coarse = |parts: u64| parts * 28;
-    let fine = |parts: u64| parts * 88;
-    let (sepals, leaves, stem) = (coarse(SEPALS as u64), fine(2), 216);
-    coarse(bud) + fine(u64::from(petals) - bud) + sepals + leaves + stem
+    let coarse = bud + SEPALS as u64;
+    let fine = u64::from(petals) - bud + LEAVES as u64;
+    // A segment has two triangles in each band of the stem, but one in each of the two at its poles.
+    let stem = 2 * STEM_SEGMENTS * (STEM_STATIONS - 2);
+    coarse * petal_triangles(COARSE) + fine * petal_triangles(FINE) + stem as u64
 }
 
+const LEAVES: usize = 2;
+const STEM_STATIONS: usize = 11;
+const STEM_SEGMENTS: usize = 12;
 const SEPALS: usize = 8;
 
 fn sepal(index: usize) -> Model {
@@ -136,12 +151,12 @@ fn sepal(index: usize) -> Model {
         half_width: 0.1,
         cup: (0.6, 0.3),
         half_thickness: 0.008,
-        grid: (4, 2),
+        grid: COARSE,
     }
     .model(|_| GREEN)
 }
 
-fn leaves() -> Vec<Model> {
+fn leaves() -> [Model; LEAVES] {
     let leaf = |y: f64, azimuth: f64, elevation: f64, length: f64| {
         Petal {
             base: DVec3::new(0.0, y, 0.0),
@@ -152,15 +167,15 @@ fn leaves() -> Vec<Model> {
             half_width: length * 0.3,
             cup: (0.8, 0.3),
             half_thickness: 0.01,
-            grid: (6, 4),
+            grid: FINE,
         }
         .model(|_| GREEN)
     };
-    vec![leaf(-1.05, 1.2, 0.7, 0.95), leaf(-1.3, -1.6, 0.6, 0.85)]
+    [leaf(-1.05, 1.2, 0.7, 0.95), leaf(-1.3, -1.6, 0.6, 0.85)]
 }
 
 fn stem() -> Model {
-    let profile = [
+    let profile: [_; STEM_STATIONS] = [
         (0.14, 0.0, 0),
         (0.08, 0.12, 0),
         (-0.1, 0.2, 0),
@@ -174,7 +189,7 @@ fn stem() -> Model {
         (-1.9, 0.0, STEM),
     ];
     let stations = profile.map(|(y, radius, material)| (DVec3::new(0.0, y, 0.0), radius, material));
-    sweep(&stations, 12, DVec3::X)
+    sweep(&stations, STEM_SEGMENTS, DVec3::X)
 }
 
 /// The value at `t` of a line through evenly spaced values.

@@ -8,6 +8,7 @@ use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::num::simd::Simd;
 use crate::random::Random;
 use crate::scene::{ClippingPlane, ClippingPlanes, Object, Scene};
+use crate::single::Clipped;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -94,6 +95,19 @@ fn clipped_packets_equal_clipped_single_rays() {
     assert!(kept > 50_000 && cut > 50_000, "{kept} {cut}");
 }
 
+/// How many rays packets leave undecided, and how many hit anything; each sees what its single ray sees.
+fn undecided_and_hits(clipped: &Clipped<'_>, camera: &Camera) -> (u64, u64) {
+    let lattice = camera.whole().lattice();
+    let mut primitives = Vec::new();
+    let counts = clipped.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
+    for (at, &primitive) in (0..).zip(&primitives) {
+        let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
+        let expected = clipped.cast_primitive(&ray, Cull::None, Precision::Exact);
+        assert_eq!(primitive, expected.primitive, "{camera:?} {at}");
+    }
+    (counts.double_rays + counts.exact_rays, counts.hits)
+}
+
 /// Triangles whose planes hold the eye but for roundings are set up by component, a scale for each edge function; packets
 /// decide where they are cut too.
 #[test]
@@ -118,21 +132,10 @@ fn cut_triangles_of_planes_next_to_the_eye_are_decided_by_packets() {
     ] {
         let cut = ClippingPlane::new(DVec3::Y, offset).expect("a plane");
         let clipped = accel.clipped(&ClippingPlanes::new(&[cut]).expect("one"));
-        let lattice = Camera::new(pose, projection, plane).whole().lattice();
-        let mut primitives = Vec::new();
-        let counts = clipped.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
-        for (at, &primitive) in (0..).zip(&primitives) {
-            let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
-            let expected = clipped.cast_primitive(&ray, Cull::None, Precision::Exact);
-            assert_eq!(primitive, expected.primitive, "{projection:?} {at}");
-        }
-        let undecided = counts.double_rays + counts.exact_rays;
-        assert!(counts.hits > 1000, "{}", counts.hits);
-        assert!(
-            undecided < 100,
-            "{projection:?}: {undecided} of {}",
-            counts.hits
-        );
+        let camera = Camera::new(pose, projection, plane);
+        let (undecided, hits) = undecided_and_hits(&clipped, &camera);
+        assert!(hits > 1000, "{projection:?}: {hits}");
+        assert!(undecided < 100, "{projection:?}: {undecided} of {hits}");
     }
 }
 
@@ -154,20 +157,12 @@ fn a_plane_next_to_the_eye_and_to_a_fans_corner_is_decided_by_packets() {
     let plane = ImagePlane::new(80, 60, 2e4).expect("a good plane");
     let panorama = Projection::Panoramic(Panorama::Equirectangular);
     for projection in [Projection::Perspective, panorama] {
-        let lattice = Camera::new(pose, projection, plane).whole().lattice();
-        let mut primitives = Vec::new();
-        let counts = clipped.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
-        for (at, &primitive) in (0..).zip(&primitives) {
-            let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
-            let expected = clipped.cast_primitive(&ray, Cull::None, Precision::Exact);
-            assert_eq!(primitive, expected.primitive, "{projection:?} {at}");
-        }
-        let undecided = counts.double_rays + counts.exact_rays;
-        assert!(counts.hits > 1000, "{}", counts.hits);
+        let camera = Camera::new(pose, projection, plane);
+        let (undecided, hits) = undecided_and_hits(&clipped, &camera);
+        assert!(hits > 1000, "{projection:?}: {hits}");
         assert!(
-            undecided < counts.hits / 10,
-            "{projection:?}: {undecided} of {}",
-            counts.hits
+            undecided < hits / 10,
+            "{projection:?}: {undecided} of {hits}"
         );
     }
 }

@@ -62,12 +62,12 @@ pub enum Shape {
     /// The demo's monkey: a head that looks along +Z, with eyes and locks of fur that are closed parts of their own, and
     /// materials.
     Monkey {
-        /// Half the skull's width, about: from ear to ear it is three times as wide.
+        /// Half the skull's width, about; from ear to ear it is three times this.
         size: f64,
     },
     /// The demo's dahlia: a bloom that faces up on a stem, each petal a closed part, with materials.
     Dahlia {
-        /// The bloom's radius, about; the stem is twice as long.
+        /// The bloom's radius, about; the stem is twice as long as this.
         size: f64,
         /// Petals of the bloom: 1 to [`Shape::PARTS`].
         petals: u32,
