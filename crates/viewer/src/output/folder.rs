@@ -1,7 +1,7 @@
 //! A folder of outputs, such as a report's.
 
 use super::Output;
-use super::part_file::{is_part_name, remove_abandoned};
+use super::part_file::{is_part_folder_name, is_part_name, remove_abandoned};
 use crate::failure::Failure;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ A report of `raycast report` lies in this folder. Another one may be written ove
         let mut is_empty = true;
         for entry in fs::read_dir(path).map_err(|error| cannot("read", error))? {
             let name = entry.map_err(|error| cannot("read", error))?.file_name();
-            is_empty &= is_part_name(&name);
+            is_empty &= is_part_name(&name) || is_part_folder_name(&name);
         }
         if is_empty || force || path.join(Self::MARKER).is_file() {
             return Ok(Self {

@@ -10,9 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 const PREFIX: &str = ".raycast-";
 const SUFFIX: &str = ".part";
-
-/// The file in a part folder that its process has locked.
-pub(super) const LOCK: &str = ".raycast-lock";
+/// What follows a part file's name in the name of the part folder that it locks.
+const FOLDER_SUFFIX: &str = "s";
 
 /// The most part files of one process in one folder at a time.
 const MAX_PART_FILES: u32 = 1 << 16;
@@ -74,6 +73,9 @@ impl PartFile {
         let mut paths = unfinished();
         for number in 0..MAX_PART_FILES {
             let path = directory.join(part_name(process, number));
+            if folder_of(&path).exists() {
+                continue;
+            }
             let file = match options.open(&path) {
                 Ok(file) => file,
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
@@ -97,39 +99,10 @@ impl PartFile {
         Err(io::Error::other("there are too many part files"))
     }
 
-    /// Creates an empty part folder in `directory`, and its lock.
-    ///
-    /// # Errors
-    /// A directory that cannot be written.
-    pub(super) fn create_folder_in(directory: &Path) -> io::Result<(PathBuf, File)> {
-        let process = std::process::id();
-        let mut paths = unfinished();
-        for number in 0..MAX_PART_FILES {
-            let path = directory.join(part_name(process, number));
-            match fs::create_dir(&path) {
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
-                made => made?,
-            }
-            // Before it is locked another process may consider it abandoned and remove it: then the next name is tried.
-            let lock = match File::create(path.join(LOCK)) {
-                Ok(lock) => lock,
-                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-                Err(error) => {
-                    // It is empty, and a failure has no consequence.
-                    let _ = fs::remove_dir(&path);
-                    return Err(error);
-                }
-            };
-            match lock.try_lock() {
-                Err(TryLockError::WouldBlock) => continue,
-                Ok(()) if !is_same_file(&lock, &path.join(LOCK)) => continue,
-                // A file system without locks: no process considers it abandoned there.
-                Ok(()) | Err(TryLockError::Error(_)) => {}
-            }
-            paths.push(path.clone());
-            return Ok((path, lock));
-        }
-        Err(io::Error::other("there are too many part files"))
+    /// Where the part folder is that this part file locks, if there is one. It exists only while this file does: it is
+    /// created later, and renamed or removed earlier, so that whenever a process is killed a sweep finds both.
+    pub(super) fn folder(&self) -> PathBuf {
+        folder_of(&self.path)
     }
 
     /// The open file.
@@ -206,38 +179,37 @@ pub(super) fn remove_abandoned(directory: &Path) {
     }
 }
 
-/// Removes a part file if it can be locked: its process has ended, or has not locked it yet and will then create
-/// another.
+/// Removes a part file, and before it the part folder that it locks, if it can be locked: its process has ended, or has
+/// not locked it yet and will then create another.
 fn remove_if_abandoned(path: &Path) {
     let Ok(found) = fs::symlink_metadata(path) else {
         return;
     };
-    if !is_own(&found) {
-        return;
-    }
-    if found.is_dir() {
-        match File::options().read(true).write(true).open(path.join(LOCK)) {
-            // Locked until the folder is removed: its creator then creates another.
-            Ok(lock) if lock.try_lock().is_ok() && is_same_file(&lock, &path.join(LOCK)) => {
-                let _ = fs::remove_dir_all(path);
-            }
-            // A folder whose process was killed before the lock existed: removing fails if it is not empty.
-            _ => {
-                let _ = fs::remove_dir(path);
-            }
-        }
-        return;
-    }
-    if !found.is_file() {
+    if !found.is_file() || !is_own(&found) {
         return;
     }
     let Ok(file) = File::options().read(true).write(true).open(path) else {
         return;
     };
     // Only the holder of the lock renames the file: what is at the path now stays.
-    if file.try_lock().is_ok() && is_same_file(&file, path) {
+    if file.try_lock().is_ok() && is_same_file(&file, path) && remove_folder(&folder_of(path)) {
         let _ = fs::remove_file(path);
     }
+}
+
+/// Removes this user's folder at `path`. Whether no folder is left there.
+fn remove_folder(path: &Path) -> bool {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_dir() => is_own(&found) && fs::remove_dir_all(path).is_ok(),
+        _ => true,
+    }
+}
+
+/// Where the part folder is that the part file at `path` locks.
+fn folder_of(path: &Path) -> PathBuf {
+    let mut folder = path.as_os_str().to_owned();
+    folder.push(FOLDER_SUFFIX);
+    folder.into()
 }
 
 /// The name of a part file: its process, a number, and a checksum of both, which a file of somebody else has only if it
@@ -246,6 +218,14 @@ pub(super) fn part_name(process: u32, number: u32) -> String {
     let digest = Digest::of(format!("raycast part file {process} {number}").as_bytes());
     let check = u64::from_be_bytes(*digest.to_bytes().first_chunk().unwrap_or(&[0; 8]));
     format!("{PREFIX}{process}-{number}-{check:016x}{SUFFIX}")
+}
+
+/// Whether this is the name of a part folder.
+pub(super) fn is_part_folder_name(name: &OsStr) -> bool {
+    let name = name
+        .to_str()
+        .and_then(|name| name.strip_suffix(FOLDER_SUFFIX));
+    name.is_some_and(|name| is_part_name(OsStr::new(name)))
 }
 
 /// Whether this is a name that [`PartFile::create_in`] gives.
@@ -364,8 +344,12 @@ mod tests {
             let path = at(&part_name(process, number));
             fs::write(path, b"half").expect("a file of a process that is gone");
         }
-        fs::create_dir(at(&part_name(2, 0))).expect("an empty folder");
-        assert_eq!(count(folder.path()), 5);
+        // Killed amid a folder: before it was begun, and before it was removed whole.
+        fs::write(at(&part_name(2, 0)), b"").expect("a lock");
+        let tiles = folder_of(&at(&part_name(2, 0))).join("0");
+        fs::create_dir_all(&tiles).expect("a folder");
+        fs::write(tiles.join("0_0.png"), b"half").expect("a tile");
+        assert_eq!(count(folder.path()), 6);
         remove_abandoned(folder.path());
         assert_eq!(count(folder.path()), 2);
         assert!(held.path.is_file() && other.path.is_file());
@@ -390,10 +374,15 @@ mod tests {
         for name in [".raycast-2-0.part", ".raycast-3-0.part"] {
             fs::create_dir(at(name)).expect("a folder");
         }
-        fs::write(at(".raycast-3-0.part").join(LOCK), b"").expect("written");
-        // Of the right name, but with something in it, and without a lock.
+        fs::write(at(".raycast-3-0.part").join("notes"), b"somebody's own").expect("written");
+        // Of the right names, but a folder, and without the file that locks it.
         fs::create_dir(at(&part_name(4, 0))).expect("a folder");
-        fs::write(at(&part_name(4, 0)).join("notes"), b"somebody's own").expect("written");
+        fs::create_dir(folder_of(&at(&part_name(6, 0)))).expect("a folder");
+        fs::write(
+            folder_of(&at(&part_name(6, 0))).join("notes"),
+            b"somebody's own",
+        )
+        .expect("written");
         #[cfg(unix)]
         std::os::unix::fs::symlink(".raycast-mine.part", at(&part_name(5, 0))).expect("a link");
         let before = count(folder.path());
@@ -452,13 +441,12 @@ mod tests {
                                 .write_all(&round.to_le_bytes())
                                 .expect("written");
                             part.persist(&place, None).expect("renamed");
-                            let (path, lock) =
-                                PartFile::create_folder_in(folder).expect("a part folder");
-                            fs::write(path.join("tile"), b"all").expect("it is still there");
-                            // Once its lock is gone a sweep may remove it as well.
-                            let _ = fs::remove_dir_all(&path);
-                            unfinished().retain(|other| *other != path);
-                            drop(lock);
+                            let lock = PartFile::create_in(folder, false).expect("a part file");
+                            fs::create_dir(lock.folder()).expect("a part folder");
+                            let tile = lock.folder().join("tile");
+                            fs::write(&tile, b"all").expect("it is still there");
+                            assert_eq!(fs::read(&tile).expect("it still is"), b"all");
+                            fs::remove_dir_all(lock.folder()).expect("nobody else removed it");
                         }
                     })
                 })

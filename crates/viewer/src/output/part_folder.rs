@@ -1,7 +1,7 @@
 //! Folders of many files that appear as one.
 
 use super::file_identity::parent_directory;
-use super::part_file::{LOCK, PartFile, sync_directory, unfinished};
+use super::part_file::{PartFile, sync_directory, unfinished};
 use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io;
@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 pub struct PartFolder {
     path: PathBuf,
     place: PathBuf,
-    /// Held locked, so that nobody takes the folder for abandoned.
-    lock: Option<File>,
+    is_placed: bool,
+    /// Beside it, so that nobody takes it for abandoned; removed after it.
+    _lock: PartFile,
 }
 
 impl PartFolder {
@@ -23,17 +24,23 @@ impl PartFolder {
     /// # Errors
     /// Something that is there; a directory that cannot be written.
     pub fn create(place: &Path) -> Result<Self, Failure> {
-        let cannot = |error: io::Error| {
-            Failure::could_not(format!("{}: cannot be made: {error}", place.display()))
-        };
+        let cannot = |error: io::Error| cannot_make(place, &error);
         if fs::symlink_metadata(place).is_ok() {
             return Err(cannot(io::Error::other("it is there already")));
         }
-        let (path, lock) = PartFile::create_folder_in(parent_directory(place)).map_err(cannot)?;
+        let lock = PartFile::create_in(parent_directory(place), false).map_err(cannot)?;
+        let path = lock.folder();
+        {
+            let mut paths = unfinished();
+            fs::create_dir(&path).map_err(cannot)?;
+            // A signal removes it before its lock.
+            paths.insert(0, path.clone());
+        }
         Ok(Self {
             path,
             place: place.to_owned(),
-            lock: Some(lock),
+            is_placed: false,
+            _lock: lock,
         })
     }
 
@@ -47,19 +54,21 @@ impl PartFolder {
     /// # Errors
     /// Something that is there by now.
     pub fn persist(mut self) -> Result<(), Failure> {
-        let cannot = |place: &Path, error: io::Error| {
-            Failure::could_not(format!("{}: cannot be made: {error}", place.display()))
-        };
-        sync_file_system(&self.path).map_err(|error| cannot(&self.place, error))?;
-        let mut paths = unfinished();
-        let put = fs::remove_file(self.path.join(LOCK))
-            .and_then(|()| fs::rename(&self.path, &self.place));
-        put.map_err(|error| cannot(&self.place, error))?;
-        self.lock = None;
-        paths.retain(|path| *path != self.path);
-        drop(paths);
-        sync_directory(parent_directory(&self.place)).map_err(|error| cannot(&self.place, error))
+        sync_file_system(&self.path).map_err(|error| cannot_make(&self.place, &error))?;
+        {
+            let mut paths = unfinished();
+            let put = fs::rename(&self.path, &self.place);
+            put.map_err(|error| cannot_make(&self.place, &error))?;
+            self.is_placed = true;
+            paths.retain(|path| *path != self.path);
+        }
+        let synced = sync_directory(parent_directory(&self.place));
+        synced.map_err(|error| cannot_make(&self.place, &error))
     }
+}
+
+fn cannot_make(place: &Path, error: &io::Error) -> Failure {
+    Failure::could_not(format!("{}: cannot be made: {error}", place.display()))
 }
 
 /// Syncs a folder's file system to the disk: its files one by one would take minutes.
@@ -75,7 +84,7 @@ fn sync_file_system(folder: &Path) -> io::Result<()> {
 
 impl Drop for PartFolder {
     fn drop(&mut self) {
-        if self.lock.is_some() {
+        if !self.is_placed {
             let mut paths = unfinished();
             // Nobody is there to be told; it is then as after a power cut.
             let _ = fs::remove_dir_all(&self.path);
@@ -86,7 +95,7 @@ impl Drop for PartFolder {
 
 #[cfg(test)]
 mod tests {
-    use super::super::part_file::{part_name, remove_abandoned};
+    use super::super::part_file::remove_abandoned;
     use super::*;
 
     #[test]
@@ -97,23 +106,15 @@ mod tests {
         let made = PartFolder::create(&place).expect("a folder");
         fs::write(made.path().join("a"), b"1").expect("written");
         remove_abandoned(folder.path());
-        assert!(count() == 1 && !place.exists());
+        assert!(count() == 2 && !place.exists(), "it and its lock");
         drop(made);
         assert_eq!(count(), 0);
         let made = PartFolder::create(&place).expect("a folder");
         fs::write(made.path().join("a"), b"1").expect("written");
         made.persist().expect("renamed");
         assert_eq!(fs::read_dir(&place).map_or(0, Iterator::count), 1);
+        assert_eq!(count(), 1, "its lock is gone");
         assert!(PartFolder::create(&place).is_err());
-        // Of a process that is gone.
-        let abandoned = folder.path().join(part_name(1, 0));
-        fs::create_dir(&abandoned).expect("a folder");
-        remove_abandoned(folder.path());
-        assert!(!abandoned.exists(), "it was killed before it was locked");
-        fs::create_dir(&abandoned).expect("a folder");
-        fs::write(abandoned.join(LOCK), b"").expect("written");
-        fs::write(abandoned.join("tile"), b"half").expect("written");
-        remove_abandoned(folder.path());
-        assert!(!abandoned.exists());
+        assert_eq!(count(), 1);
     }
 }
