@@ -9,6 +9,11 @@ pub const MOST_SAMPLES: u32 = 4096;
 /// The widest that lines are drawn, in pixels.
 pub const WIDEST_LINE: f32 = 100.0;
 
+/// An eye's coordinate that is nearer to zero than this is taken for zero. Corners are multiples of 2⁻¹⁴⁹, and eyes still
+/// fit between them; much nearer to a corner's coordinate, products that all rays have in common would lose their digits
+/// to underflow, and each ray would be decided in integers of thousands of bits.
+pub const LEAST_EYE: f64 = f64::from_bits((1023 - 160) << 52);
+
 /// The narrowest vertical field of view, in degrees: 1.7e-11 radians, so that neighbouring rays of a picture of
 /// 1000 rows differ by some 80 roundings of a unit direction (2⁻⁵³). Much narrower, all rays are one ray in double
 /// precision, every triangle near it needs exact arithmetic, and the picture shows nothing.

@@ -1,6 +1,7 @@
 use super::stereo::Eyes;
 use super::{ImagePlane, Panorama, Pose, Projection, Ray, Rect};
 use crate::num::simd::LANES;
+use crate::ranges::LEAST_EYE;
 use glam::DVec3;
 
 /// A pose, a projection and an image plane.
@@ -23,8 +24,14 @@ impl Camera {
     /// A camera at `pose`.
     ///
     /// If eye and target coincide, it looks along −Z at a target one unit away; if `up` is zero or parallel to the
-    /// view axis, −Z or +Y replaces it. [`Pose::check`] reports both.
-    pub fn new(pose: Pose, projection: Projection, plane: ImagePlane) -> Self {
+    /// view axis, −Z or +Y replaces it. [`Pose::check`] reports both. An eye's coordinate nearer to zero than
+    /// [`LEAST_EYE`] is zero.
+    pub fn new(mut pose: Pose, projection: Projection, plane: ImagePlane) -> Self {
+        pose.eye = DVec3::select(
+            pose.eye.abs().cmplt(DVec3::splat(LEAST_EYE)),
+            DVec3::ZERO,
+            pose.eye,
+        );
         let sight = pose.target - pose.eye;
         let length = sight.length();
         let (forward, distance) = if length.is_finite() && length > 0.0 {

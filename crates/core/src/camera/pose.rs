@@ -109,6 +109,26 @@ impl Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::{Camera, ImagePlane, Projection};
+
+    /// Between zero and the least corner there are eyes; much nearer to zero there are none.
+    #[test]
+    fn an_eye_much_nearer_to_zero_than_any_corner_is_at_zero() {
+        let least_corner = f64::from(f32::from_bits(1));
+        let plane = ImagePlane::new(8, 8, 0.1).expect("a good plane");
+        for (x, expected) in [
+            (5e-324, 0.0),
+            (-1e-60, 0.0),
+            (least_corner / 1024.0, least_corner / 1024.0),
+            (-least_corner, -least_corner),
+            (f64::INFINITY, f64::INFINITY),
+        ] {
+            let eye = DVec3::new(1.0, x, -2.0);
+            let pose = Pose::towards(eye, DVec3::ONE);
+            let camera = Camera::new(pose, Projection::Perspective, plane);
+            assert_eq!(camera.pose().eye, eye.with_y(expected));
+        }
+    }
 
     #[test]
     fn faults_of_placements_are_named() {

@@ -45,7 +45,8 @@ use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::CornerLanes;
-use crate::triangle::exact::{cross_from, distance_of_eye};
+use crate::triangle::exact::cross_from;
+use crate::triangle::plane::distance_of_eye;
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
@@ -380,8 +381,7 @@ impl PacketSpace {
             }
             if !is_clear(product) && origin_error == 0.0 {
                 // Planes that pass the eye more closely than roundings, with no corner next to it.
-                let exact = distance_of_eye(self.origin, corners);
-                product = (exact, 4.0 * EPSILON * exact.abs());
+                product = distance_of_eye(self.origin, corners);
             }
             let key = Linear {
                 constant: d.dot(n),

@@ -222,6 +222,43 @@ pub(super) fn plane_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> Determinant {
     best_determinant(&from_a(point), &[(&from_a(b), &from_a(c))])
 }
 
+/// A·((B−A)×(C−A)) in double-double arithmetic, with corners relative to an eye: its distance from the plane times the
+/// normal's length, positive where the normal points away from it. `None` where a factor is out of [`FACTOR_RANGE`].
+///
+/// A is the corner next to the eye, for which the terms are least. Its error is that of a corner in
+/// [`Determinants::in_double_double`], whose bound holds.
+pub(super) fn eye_distance(
+    eye: DVec3,
+    tree_origin: DVec3,
+    corners: [Vec3; 3],
+) -> Option<Determinant> {
+    let axes = [0, 1, 2];
+    let tree_origin = axes.map(|axis| DoubleDouble::difference(tree_origin[axis], eye[axis]));
+    let relative = corners.map(|corner| {
+        WideFactor::of(axes.map(|axis| tree_origin[axis] + f64::from(corner[axis]).into()))
+    });
+    let far = |corner: usize| relative[corner].size.size.max_element();
+    let mut first = 0;
+    for corner in 1..3 {
+        if far(corner) < far(first) {
+            first = corner;
+        }
+    }
+    let from_first = |to: usize| {
+        let [from, to] = [corners[first], corners[to % 3]];
+        WideFactor::of(
+            axes.map(|axis| DoubleDouble::difference(to[axis].into(), from[axis].into())),
+        )
+    };
+    let (a, ab, ac) = (
+        &relative[first],
+        from_first(first + 1),
+        from_first(first + 2),
+    );
+    let in_range = [a, &ab, &ac].map(|factor| factor.size.in_range().all());
+    (!in_range.contains(&false)).then(|| best_determinant(a, &[(&ab, &ac)]))
+}
+
 fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
     Determinant::new(a, b, c, 9.0 * EPSILON)
 }

@@ -1,6 +1,6 @@
 //! Triangles exactly edge-on to a camera: decided once for all its rays.
 
-use super::componentwise::{plane_crosses, plane_misses};
+use super::componentwise::{eye_distance, plane_crosses, plane_misses};
 use super::exact::{OffsetTriangle, plane_contains, plane_is_parallel};
 use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
@@ -117,6 +117,10 @@ impl EdgeOn {
                     corners,
                     origin: self.tree_origin,
                 };
+                let misses = misses.or_else(|| {
+                    let distance = eye_distance(eye, self.tree_origin, corners)?;
+                    distance.signum().map(|sign| sign != 0)
+                });
                 !misses.unwrap_or_else(|| !plane_contains(eye, &placed))
             }
             Shared::Direction(direction, level) => {

@@ -17,8 +17,8 @@
 //! by η more adds ηΣp.
 
 use super::BoundedHit;
-use super::componentwise::{Determinant, plane_distance};
-use super::exact::distance_of_eye;
+use super::componentwise::{Determinant, eye_distance, plane_distance};
+use super::exact;
 use crate::num::roundoff::EPSILON;
 use glam::{DVec3, Vec3};
 
@@ -33,6 +33,10 @@ pub(crate) const LEAST_SURE: f64 = 1e-250;
 /// The error of a hit's weights: they are rounded well in single precision, within 2⁻²⁶
 /// ([`WELL_CONDITIONED`](super::edges::WELL_CONDITIONED)).
 const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// The error of an eye's distance from a plane, relative to the distance: depths that are divided by the distance are then
+/// known to more than single precision's 24 digits.
+const MOST_ERROR: f64 = 1.0 / (1 << 28) as f64;
 
 /// A triangle's plane.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +84,7 @@ impl Plane {
     /// [`Plane::turned_from`] with the corners at hand, decided exactly, for an eye that is not off: for planes that pass it
     /// more closely than roundings in double precision.
     pub(crate) fn turned_exactly_from(mut self, eye: DVec3, corners: [Vec3; 3]) -> Option<Self> {
-        let value = distance_of_eye(eye, corners);
+        let (value, _) = distance_of_eye(eye, corners);
         self.turn = value.signum();
         self.normal *= self.turn;
         (value != 0.0).then_some(self)
@@ -132,6 +136,20 @@ impl Plane {
             _ => (value.abs() > error * 1.01 + LEAST_SURE).then_some(value.signum()),
         }
     }
+}
+
+/// The distance of an eye from a triangle's plane times the normal's length, positive where the normal points away from the
+/// eye, and the bound on its error: [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else
+/// exactly; zero only where the plane contains the eye.
+pub(crate) fn distance_of_eye(eye: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
+    let wide = eye_distance(eye, DVec3::ZERO, corners);
+    let wide = wide.filter(|wide| wide.error <= MOST_ERROR * wide.value.abs());
+    // NaN fails this comparison, and so does zero unless it is surely so.
+    if let Some(Determinant { value, error }) = wide {
+        return (value, error);
+    }
+    let exact = exact::distance_of_eye(eye, corners);
+    (exact, 4.0 * EPSILON * exact.abs())
 }
 
 #[cfg(test)]
@@ -201,6 +219,42 @@ mod tests {
             let off = (value as i128 - truth).unsigned_abs();
             assert!(off as f64 <= error + 0.5, "{a:?} {b:?} {c:?} {at:?}");
         }
+    }
+
+    /// Eyes in a plane but for roundings, and corners of very different sizes. With the bound of double-double arithmetic at
+    /// zero this fails.
+    #[test]
+    fn distances_of_eyes_are_within_their_bounds_of_those_in_integers() {
+        let mut random = Random(74);
+        let mut wide = 0;
+        for round in 0..20_000 {
+            let corners = [(); 3].map(|()| {
+                let size = crate::math::pow(2.0, 20.0 * random.signed());
+                (random.point() * size).as_vec3()
+            });
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let eye = match round % 4 {
+                0 => a.with_x(a.x.next_up()),
+                _ => a + (b - a) * random.signed() + (c - a) * random.signed(),
+            };
+            let truth = exact::distance_of_eye(eye, corners);
+            let (value, error) = distance_of_eye(eye, corners);
+            let rounding = EPSILON * truth.abs();
+            assert!(
+                (value - truth).abs() <= error + rounding,
+                "{corners:?} {eye}"
+            );
+            assert!(error <= MOST_ERROR * value.abs());
+            let Some(first) = eye_distance(eye, DVec3::ZERO, corners) else {
+                continue;
+            };
+            assert!(
+                (first.value - truth).abs() <= first.error + rounding,
+                "{corners:?} {eye}"
+            );
+            wide += u32::from(first.error <= MOST_ERROR * first.value.abs());
+        }
+        assert!(wide > 10_000 && wide < 20_000, "{wide}");
     }
 
     /// Directions that are parallel to a plane but for roundings. With either term of the bound at zero this fails.
