@@ -3,9 +3,9 @@
 use raycast_core::render::{Pass, Passes};
 use std::time::Duration;
 
-/// The time of the first pass: 25 pictures a second follow the hand; a coarse pass that is soon replaced by a finer
+/// The time of the first pass: 30 pictures a second follow the hand; a coarse pass that is soon replaced by a finer
 /// one costs more in total than the full picture.
-pub const BUDGET: Duration = Duration::from_millis(40);
+pub const BUDGET: Duration = Duration::from_millis(33);
 /// A full picture that takes at most this long follows the first pass immediately: passes between would hardly be
 /// visible, and sparse rays cost more each.
 const AT_ONCE: Duration = Duration::from_millis(150);
@@ -28,9 +28,19 @@ impl Pace {
             return;
         }
         let measured = time.as_nanos() as f64 / rays as f64;
-        let known = &mut self.nanoseconds_per_ray[level];
-        // Half the weight is on the newest: a camera that approaches soon casts costlier rays.
-        *known = Some(known.map_or(measured, |known| 0.5 * (known + measured)));
+        for (other, known) in self.nanoseconds_per_ray.iter_mut().enumerate() {
+            let Some(cost) = known else { continue };
+            if other == level {
+                // Half the weight is on the newest: a camera that approaches soon casts costlier rays.
+                *cost = 0.5 * (*cost + measured);
+            } else {
+                // A measurement of long ago, or of a machine that was busy, is not believed against the newest: the
+                // sparser of two passes costs more a ray, and takes no longer.
+                let fewer = 4_f64.powi(other as i32 - level as i32);
+                *cost = cost.clamp(measured * fewer.min(1.0), measured * fewer.max(1.0));
+            }
+        }
+        self.nanoseconds_per_ray[level].get_or_insert(measured);
     }
 
     /// Forgets all measurements, for another scene or number of threads.
@@ -109,6 +119,26 @@ mod tests {
         pace.forget();
         pace.learn(pass(1), MEGAPIXELS, Duration::from_millis(200));
         assert_eq!(strides(&pace), [8, 4, 2, 1, 1]);
+    }
+
+    /// All were slow at first; then only the sparsest is made, until it shows that the next one must be cheaper.
+    #[test]
+    fn a_pass_that_was_slow_once_is_tried_again() {
+        let mut pace = Pace::default();
+        pace.learn(pass(2), MEGAPIXELS / 4, Duration::from_millis(70));
+        pace.learn(pass(4), MEGAPIXELS / 16, Duration::from_millis(60));
+        pace.learn(pass(8), MEGAPIXELS / 64, Duration::from_millis(20));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 8);
+        for _ in 0..3 {
+            pace.learn(pass(8), MEGAPIXELS / 64, Duration::from_millis(3));
+        }
+        assert_eq!(pace.first_stride(MEGAPIXELS), 4);
+        // And one that was fast once is not believed to be so for ever.
+        pace.learn(pass(2), MEGAPIXELS / 4, Duration::from_millis(20));
+        pace.learn(pass(4), MEGAPIXELS / 16, Duration::from_millis(8));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 2);
+        pace.learn(pass(4), MEGAPIXELS / 16, Duration::from_millis(35));
+        assert_eq!(pace.first_stride(MEGAPIXELS), 4);
     }
 
     #[test]
