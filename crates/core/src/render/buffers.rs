@@ -15,6 +15,8 @@ pub(super) struct Buffers<'s> {
     pub(super) hits: Hits,
     /// The colours of one sample a pixel: linear light, straight alpha.
     pub(super) light: Vec<[f32; 4]>,
+    /// The colours of a sparse lattice.
+    pub(super) pixels: Vec<[u8; 4]>,
     /// The layers of a tile that is done: new memory for each tile would have to be given by the system each time.
     pub(super) layers: Option<Layers>,
     pub(super) shader: TileShader<'s>,
@@ -30,6 +32,7 @@ impl<'s> Buffers<'s> {
         Self {
             hits: Hits::default(),
             light: Vec::new(),
+            pixels: Vec::new(),
             layers: None,
             shader: shader.tile(),
             compositor: shader.translucent().map(compositor),

@@ -147,34 +147,38 @@ impl Job {
         renderer.find(lattice);
         renderer.interpolate(lattice);
         let rect = self.sub_camera.rect;
-        let pixels = &mut self.pixels;
+        let left = (lattice.x - rect.x) as usize;
         let section = renderer.section();
+        let whole = &mut self.pixels;
         renderer.shade(|buffers| {
-            for row in 0..lattice.rows {
-                for column in 0..lattice.columns {
-                    let (x, y) = lattice.place(column, row);
-                    let at = (row * lattice.columns + column) as usize;
-                    let hit = buffers.hits.get(at);
+            let mut colors = std::mem::take(&mut buffers.pixels);
+            (buffers.shader).shade_lattice(lattice, &buffers.hits, &mut colors);
+            if section.is_some() || buffers.casts_secondary_rays() {
+                for (at, color) in colors.iter_mut().enumerate() {
+                    let at = at as u32;
+                    let (x, y) = lattice.place(at % lattice.columns, at / lattice.columns);
+                    let hit = buffers.hits.get(at as usize);
                     let cut = section
                         .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
-                    let color = match cut {
-                        Some(color) => color,
-                        None => match buffers.secondary_color((x, y), &hit) {
-                            Some(color) => shade::encode(color),
-                            None => buffers.shader.pixel8(x, y, &hit),
-                        },
-                    };
-                    let (left, top) = (
-                        lattice.x - rect.x + column * lattice.stride,
-                        lattice.y - rect.y + row * lattice.stride,
-                    );
-                    let right = (left + block).min(rect.width) as usize;
-                    for y in top..(top + block).min(rect.height) {
-                        let start = y as usize * rect.width as usize;
-                        pixels[start + left as usize..start + right].fill(color);
-                    }
+                    let others = || buffers.secondary_color((x, y), &hit).map(shade::encode);
+                    *color = cut.or_else(others).unwrap_or(*color);
                 }
             }
+            let width = rect.width as usize;
+            let rows = colors.chunks(lattice.columns as usize);
+            for (row, colors) in (0..).zip(rows) {
+                let top = lattice.y - rect.y + row * lattice.stride;
+                let begin = top as usize * width;
+                let first = &mut whole[begin + left..begin + width];
+                for (pixels, color) in first.chunks_mut(block as usize).zip(colors) {
+                    pixels.fill(*color);
+                }
+                for y in top + 1..(top + block).min(rect.height) {
+                    let to = y as usize * width + left;
+                    whole.copy_within(begin + left..begin + width, to);
+                }
+            }
+            buffers.pixels = colors;
         });
     }
 

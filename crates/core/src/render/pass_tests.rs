@@ -4,8 +4,8 @@ use super::{Cancel, Pass, Passes, Settings, Tile, View};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Grid, ImagePlane, Pose, Projection, Rect};
 use crate::random::Random;
-use crate::scene::{Mesh, MeshData, Object, Scene};
-use crate::shade::{Mode, Shading};
+use crate::scene::{Attribute, Mesh, MeshData, Object, Scene};
+use crate::shade::{Ground, Mode, Shading, Wireframe};
 use glam::DVec3;
 use std::sync::Arc;
 use std::sync::Mutex;
@@ -17,8 +17,13 @@ fn view() -> View {
     let positions: Vec<DVec3> = (0..300)
         .map(|_| random.point() * 2.0 + random.point() * 0.3)
         .collect();
+    let normals = (0..300).map(|_| random.point().normalize_or(DVec3::X).as_vec3()).collect();
     let mesh = Mesh::new(MeshData {
         positions,
+        normals: Some(Attribute {
+            values: normals,
+            indices: None,
+        }),
         triangles: (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         ..MeshData::default()
     });
@@ -64,47 +69,93 @@ fn progress(
     (come.into_inner().expect("no sink panics"), done)
 }
 
-/// A tile's pixel shows the ray above it and to the left, in the tile's last column and row too, whatever is left of
-/// a block there.
-#[test]
-fn coarse_passes_fill_every_pixel_from_its_block() {
-    let view = view();
+/// Checks that in each pass every pixel of a tile shows the ray above it and to the left, in the tile's last column and row
+/// too, whatever is left of a block there; the truth is the picture of the finest pass. How many pixels differ from the
+/// first.
+fn check_blocks(view: &View, side: u32, passes: &[Pass]) -> u32 {
     let whole = view
         .render(Grid::default(), CLOCK, &Cancel::default(), &|_| ())
         .expect("nothing cancels it");
     let at = |x: u32, y: u32| whole.pixels[(y * 77 + x) as usize];
-    for side in [33, 17, 8, 5, 1] {
-        let tiles: Vec<Rect> = (0..45u32.div_ceil(side))
-            .flat_map(|row| (0..77u32.div_ceil(side)).map(move |column| (column, row)))
-            .map(|(column, row)| Rect {
-                x: column * side,
-                y: row * side,
-                width: side.min(77 - column * side),
-                height: side.min(45 - row * side),
-            })
-            .collect();
-        let passes = Passes::plan(16, 1);
-        let (come, done) = progress(&view, &tiles, &passes, &Cancel::default(), |_| ());
-        assert!(done && come.len() == tiles.len() * passes.len());
-        let mut shown = 0;
-        for (pass, tile) in come {
-            let Rect {
-                x: left,
-                y: top,
-                width,
-                height,
-            } = tile.rect;
-            for (place, &pixel) in (0..).zip(&tile.pixels) {
-                let (x, y) = (place % width, place / width);
-                let block_start = |at: u32| at / pass.stride * pass.stride;
-                let expected = at(left + block_start(x), top + block_start(y));
-                assert_eq!(pixel, expected, "({x}, {y}) of {:?} in {pass:?}", tile.rect);
-                shown += u32::from(pixel != at(0, 0));
-            }
-            assert_eq!(tile.pixels.len(), (width * height) as usize);
+    let tiles: Vec<Rect> = (0..45u32.div_ceil(side))
+        .flat_map(|row| (0..77u32.div_ceil(side)).map(move |column| (column, row)))
+        .map(|(column, row)| Rect {
+            x: column * side,
+            y: row * side,
+            width: side.min(77 - column * side),
+            height: side.min(45 - row * side),
+        })
+        .collect();
+    let (come, done) = progress(view, &tiles, passes, &Cancel::default(), |_| ());
+    assert!(done && come.len() == tiles.len() * passes.len());
+    let mut shown = 0;
+    for (pass, tile) in come {
+        let Rect {
+            x: left,
+            y: top,
+            width,
+            height,
+        } = tile.rect;
+        for (place, &pixel) in (0..).zip(&tile.pixels) {
+            let (x, y) = (place % width, place / width);
+            let block_start = |at: u32| at / pass.stride * pass.stride;
+            let expected = at(left + block_start(x), top + block_start(y));
+            let what = || format!("({x}, {y}) of {:?} in {pass:?}", tile.rect);
+            assert_eq!(pixel, expected, "{} {:?}", what(), view.settings.shading);
+            shown += u32::from(pixel != at(0, 0));
         }
+        assert_eq!(tile.pixels.len(), (width * height) as usize);
+    }
+    shown
+}
+
+#[test]
+fn coarse_passes_fill_every_pixel_from_its_block() {
+    let view = view();
+    for side in [33, 17, 8, 5, 1] {
+        let shown = check_blocks(&view, side, &Passes::plan(16, 1));
         assert!(shown > 1000, "{shown}");
     }
+}
+
+/// Coarse passes are shaded in rows of eight, as whole pictures are: in each mode and projection, with lines and a ground, and
+/// where the picture ends within its frame.
+#[test]
+fn coarse_passes_have_the_colors_of_whole_pictures() {
+    let plain = view();
+    let modes = [
+        Mode::Color,
+        Mode::Flat,
+        Mode::Smooth,
+        Mode::Material,
+        Mode::Normals,
+        Mode::Depth,
+        Mode::Barycentric,
+        Mode::Uv,
+        Mode::Texture,
+        Mode::Wireframe,
+        Mode::XRay,
+    ];
+    let mut kinds = 0;
+    for (_, projection) in Projection::all() {
+        for mode in modes {
+            for (lines, ground) in [(false, false), (true, false), (false, true)] {
+                let mut view = plain.clone();
+                let camera = view.camera;
+                view.camera = Camera::new(camera.pose(), projection, camera.plane());
+                view.settings.shading = Shading {
+                    mode,
+                    wireframe: lines.then_some(Wireframe::ALONE),
+                    ground: ground.then_some(Ground::Lowest),
+                    ..Shading::default()
+                };
+                let passes = [8, 2].map(|stride| Pass { stride, samples: 1 });
+                check_blocks(&view, 37, &passes);
+                kinds += 1;
+            }
+        }
+    }
+    assert!(kinds > 200, "{kinds}");
 }
 
 /// The first stride saturates at the greatest power of two that a `u32` holds.

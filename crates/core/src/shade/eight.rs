@@ -30,6 +30,24 @@ impl TileShader<'_> {
         self.shade_samples(colors, lattice, hits, Target::Bytes(&mut rows));
     }
 
+    /// Colours of the samples at a lattice's rays, row by row, eight at once. With gaps between them the camera's picture must
+    /// be filled.
+    pub(super) fn shade_lattice_in_eights(
+        &mut self,
+        colors: EightColors,
+        lattice: Lattice,
+        hits: &Hits,
+        pixels: &mut [[u8; 4]],
+    ) {
+        let mut rows = pixels.chunks_mut(lattice.columns.max(1) as usize);
+        self.shade_samples(
+            colors,
+            lattice,
+            HitRows::new(hits),
+            Target::Bytes(&mut rows),
+        );
+    }
+
     /// Colours of the samples at a lattice's rays, eight at once: linear light, alpha not multiplied in.
     pub(super) fn light_in_eights(
         &mut self,
@@ -392,6 +410,7 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
         let is_constant = shader.has_constant_surfaces() && has_lines && is_plain;
         for row in 0..lattice.rows {
             let begin = row as usize * columns;
+            shader.prefetch(lanes, hits.row(begin, columns));
             let Some(TargetRow { pixels, light }) = picture.row(row, columns) else {
                 break;
             };
@@ -456,7 +475,9 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     light[column as usize] = tile.color(x, y, &hit);
                 }
             }
-            shader.clear_beyond(lattice.x, rays.pixel_row(row), pixels);
+            if lattice.stride == 1 {
+                shader.clear_beyond(lattice.x, rays.pixel_row(row), pixels);
+            }
         }
     }
 }

@@ -98,6 +98,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     columns = Columns::new(shader, &lattice, left as u32);
                 }
                 let primitives = hits.row(begin + left, (width - left).min(COLUMNS));
+                shader.prefetch(lanes, primitives);
                 let scanline = Scanline {
                     tile,
                     colors,
@@ -123,7 +124,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     };
                     scanline.shade(lanes, &mut out);
                 } else {
-                    let behind = shader.backdrop8(lattice.y + row);
+                    let behind = shader.backdrop8(lattice.y + row * lattice.stride);
                     let (some, rest) = pixels.split_at_mut(count.min(pixels.len()));
                     pixels = rest;
                     let tables = shader.tables;

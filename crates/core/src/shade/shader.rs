@@ -1,6 +1,7 @@
 //! The colours of a picture's samples.
 
 mod needs;
+mod prefetch;
 mod sample_color;
 mod triangles;
 
@@ -56,6 +57,8 @@ pub struct Shader<'a> {
     /// The rays as linear functions of the place; `None` where colours take t, u and v from the hits.
     planar: Option<PlanarRays>,
     lights: Lights,
+    /// Whether normals are fetched before they are read.
+    prefetches: bool,
     /// Normals by the crease angle of each object that has none of its own; empty where no pixel needs them.
     creased: Vec<Option<Arc<Attribute<Vec3>>>>,
     /// The normal matrix of each object, world from object; `None` where its transform is singular.
@@ -101,6 +104,7 @@ impl<'a> Shader<'a> {
             to_eye: to_eye(&camera),
             planar: None,
             lights: Lights::new(&camera, shading.lights),
+            prefetches: prefetch::is_worth_it(scene, &needs),
             creased: creased(scene, &shading),
             world_normals: world_normals(scene),
             own_colors,

@@ -152,6 +152,33 @@ impl<'s> TileShader<'s> {
         }
     }
 
+    /// Shades the pixels that a lattice's rays go through, row by row, from their hits.
+    pub(crate) fn shade_lattice(
+        &mut self,
+        lattice: &Lattice,
+        hits: &Hits,
+        pixels: &mut Vec<[u8; 4]>,
+    ) {
+        pixels.resize(lattice.len(), [0; 4]);
+        let is_constant = self.shader.is_constant() && !self.shader.has_overlay();
+        let colors = self.shader.eight_colors();
+        let colors = colors.filter(|_| !is_constant && lattice.camera.is_filled());
+        if let Some(colors) = colors {
+            return self.shade_lattice_in_eights(colors, *lattice, hits, pixels);
+        }
+        let rows = pixels.chunks_mut(lattice.columns.max(1) as usize);
+        for (row, pixels) in (0..).zip(rows) {
+            for (column, pixel) in (0..).zip(pixels) {
+                let hit = hits.get((row * lattice.columns + column) as usize);
+                let (x, y) = lattice.place(column, row);
+                *pixel = match is_constant && hit.primitive != MISS {
+                    true => self.constant(x, y, hit.primitive),
+                    false => self.pixel8(x, y, &hit),
+                };
+            }
+        }
+    }
+
     /// Shades the samples of a lattice, row by row, from their hits: linear light, straight alpha.
     pub(crate) fn light(&mut self, lattice: &Lattice, hits: &Hits, light: &mut Vec<[f32; 4]>) {
         light.resize(lattice.len(), [0.0; 4]);

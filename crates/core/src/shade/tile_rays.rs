@@ -5,7 +5,7 @@ use super::vectors::{Rows, Vectors};
 use crate::camera::{Lattice, PanoramaRays};
 use crate::num::simd::{LANES, Lanes};
 
-/// The rays of a tile's samples, one a pixel.
+/// The rays of a tile's samples.
 pub(super) struct TileRays {
     lattice: Lattice,
     /// The rays of a panorama, in modes that depend on the direction to the eye.
@@ -41,16 +41,20 @@ impl TileRays {
     /// The row of pixels in the picture that a row's samples belong to.
     #[inline(always)]
     pub(super) fn pixel_row(&self, row: u32) -> u32 {
-        self.lattice.y + row
+        self.lattice.y + row * self.lattice.stride
     }
 
     /// The x of eight places, from a column on.
     #[inline(always)]
     pub(super) fn columns(&self, column: u32) -> [f64; LANES] {
-        let first = f64::from(self.lattice.x + column);
+        let stride = self.lattice.stride;
+        let (first, step) = (
+            f64::from(self.lattice.x + column * stride),
+            f64::from(stride),
+        );
         let mut all = [0.0; LANES];
         for (lane, x) in all.iter_mut().enumerate() {
-            *x = first + lane as f64 + self.lattice.offset.0;
+            *x = first + lane as f64 * step + self.lattice.offset.0;
         }
         all
     }
@@ -100,6 +104,7 @@ mod tests {
             lattice.offset = [257.0, 259.0]
                 .map(|base| (f64::from(sample) + 0.5) / base)
                 .into();
+            lattice.stride = 1 << (sample % 4);
             let rays = TileRays {
                 lattice,
                 around: None,
