@@ -17,7 +17,9 @@ fn view() -> View {
     let positions: Vec<DVec3> = (0..300)
         .map(|_| random.point() * 2.0 + random.point() * 0.3)
         .collect();
-    let normals = (0..300).map(|_| random.point().normalize_or(DVec3::X).as_vec3()).collect();
+    let normals = (0..300)
+        .map(|_| random.point().normalize_or(DVec3::X).as_vec3())
+        .collect();
     let mesh = Mesh::new(MeshData {
         positions,
         normals: Some(Attribute {

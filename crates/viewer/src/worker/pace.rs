@@ -11,6 +11,9 @@ pub const BUDGET: Duration = Duration::from_millis(33);
 const AT_ONCE: Duration = Duration::from_millis(150);
 /// The coarsest first pass: every 32nd ray in both directions.
 const COARSEST: usize = 5;
+/// By how much denser passes are believed to cost less with each picture that is made without them, so that one that was
+/// slow, at a distance or while the machine was busy, is tried again: within a second or two where it just missed the budget.
+const HOPE: f64 = 0.99;
 /// The initial estimate of nanoseconds a ray, as on a slow machine.
 const FIRST_GUESS: f64 = 60.0;
 
@@ -38,6 +41,9 @@ impl Pace {
                 // sparser of two passes costs more a ray, and takes no longer.
                 let fewer = 4_f64.powi(other as i32 - level as i32);
                 *cost = cost.clamp(measured * fewer.min(1.0), measured * fewer.max(1.0));
+                if other < level {
+                    *cost *= HOPE;
+                }
             }
         }
         self.nanoseconds_per_ray[level].get_or_insert(measured);
@@ -139,6 +145,21 @@ mod tests {
         assert_eq!(pace.first_stride(MEGAPIXELS), 2);
         pace.learn(pass(4), MEGAPIXELS / 16, Duration::from_millis(35));
         assert_eq!(pace.first_stride(MEGAPIXELS), 4);
+        // Too slow by a third: tried again after some pictures, and given up at once.
+        pace.forget();
+        pace.learn(pass(2), MEGAPIXELS / 4, Duration::from_millis(44));
+        let mut tried = 0;
+        for _ in 0..300 {
+            let stride = pace.first_stride(MEGAPIXELS);
+            let time = if stride == 2 { 44 } else { 12 };
+            pace.learn(
+                pass(stride),
+                MEGAPIXELS / u64::from(stride * stride),
+                Duration::from_millis(time),
+            );
+            tried += u32::from(stride == 2);
+        }
+        assert!((3..30).contains(&tried), "{tried}");
     }
 
     #[test]
