@@ -31,6 +31,7 @@ mod scene_read;
 #[cfg(test)]
 mod scene_read_tests;
 mod scene_text;
+mod scene_textures;
 mod scene_toml;
 mod scene_words;
 mod scene_write;

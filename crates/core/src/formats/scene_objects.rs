@@ -1,37 +1,28 @@
 //! The objects of a scene file, with the meshes, shapes and textures that they name.
 
+use super::Progress;
 use super::error::FormatError;
 use super::files::beside;
 use super::mesh_file::{self, MeshObject};
 use super::scene_text::{Reader, line_at};
+use super::scene_textures::Textures;
 use super::scene_toml::{CameraToml, ObjectToml, PhotographToml, ShapeToml};
 use super::scene_words::ProjectionToml;
-use super::{Progress, texture};
 use crate::camera::Pose;
 use crate::quote::{self, quote};
 use crate::ranges;
 use crate::scene::{
-    ColorRule, Crop, Mesh, Object, Photograph, Projector, Quantity, Shape, ShapeError, Texture,
-    TextureMapping, Transform, UpAxis, Wrap,
+    ColorRule, Mesh, Object, Photograph, Projector, Quantity, Shape, ShapeError, Texture,
+    TextureMapping, Transform, UpAxis,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use toml::Spanned;
 
 /// The most ancestors of an object: each costs time for each of its descendants.
 pub(super) const ANCESTOR_LIMIT: usize = 1000;
-
-/// The textures that objects share: each image is read once, and each part of it made once.
-#[derive(Default)]
-struct Textures {
-    images: HashMap<PathBuf, Arc<Texture>>,
-    parts: HashMap<Part, Arc<Texture>>,
-}
-
-/// An image's file, its crop and its wrapping.
-type Part = (PathBuf, Option<[u32; 4]>, [Wrap; 2]);
 
 /// Composes an object table's transform with the transform that the mesh file gives the object.
 fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
@@ -107,7 +98,7 @@ impl Reader<'_> {
             };
             let found = self.named_nodes(table, read)?;
             mesh_file::count_objects(self.path, found, self.files.budget())?;
-            let texture = self.texture(table, &mut textures, warnings)?;
+            let texture = self.texture(table, &tables[index..], &mut textures, warnings)?;
             let transform = self.transform(table)?;
             first_objects.push(objects.len());
             for placed in found {
@@ -253,99 +244,6 @@ impl Reader<'_> {
         let data = shape.mesh().map_err(refused)?;
         let mesh = mesh_file::store(self.path, data, budget, warnings)?;
         Ok(MeshObject::from_mesh(shape.name(), mesh))
-    }
-
-    /// The texture that an object names, and its file.
-    fn texture(
-        &self,
-        table: &ObjectToml,
-        textures: &mut Textures,
-        warnings: &mut Vec<String>,
-    ) -> Result<Option<(Arc<Texture>, PathBuf)>, FormatError> {
-        let Some(named) = &table.texture else {
-            let expected = "a `texture` beside what says how it lies";
-            return match &table.crop {
-                Some(crop) => Err(self.fault(crop, expected, "none")),
-                None => Ok(None),
-            };
-        };
-        let path = beside(self.path, named.get_ref());
-        let source = self.files.source(&path);
-        let budget = self.files.budget();
-        let image = match textures.images.get(&source) {
-            Some(image) => Arc::clone(image),
-            None => {
-                let image = Arc::new(self.image_or_stand_in(named, &path, warnings)?);
-                textures.images.insert(source.clone(), Arc::clone(&image));
-                image
-            }
-        };
-        let crop = table.crop.as_ref().map(|crop| *crop.get_ref());
-        let wrap = table
-            .wrap
-            .map_or(image.wrap(), |wrap| wrap.map(|wrap| wrap.0));
-        if crop.is_none() && wrap == image.wrap() {
-            return Ok(Some((image, source)));
-        }
-        let key = (source.clone(), crop, wrap);
-        if let Some(part) = textures.parts.get(&key) {
-            return Ok(Some((Arc::clone(part), source)));
-        }
-        if image.is_stand_in() {
-            let [x, y, width, height] = crop.unwrap_or_default();
-            let crop = crop.map(|_| Crop {
-                x,
-                y,
-                width,
-                height,
-            });
-            return Ok(Some((Arc::new(Texture::stand_in(crop, wrap)), source)));
-        }
-        let (width, height) = (image.width(), image.height());
-        let [x, y, columns, rows] = crop.unwrap_or([0, 0, width, height]);
-        let bytes = 4 * u64::from(columns.min(width)) * u64::from(rows.min(height));
-        let share = budget.share(self.path, "a part of an image", bytes)?;
-        let part = match &table.crop {
-            None => Texture::clone(&image),
-            Some(value) => {
-                let crop = Crop {
-                    x,
-                    y,
-                    width: columns,
-                    height: rows,
-                };
-                image.cropped(crop).ok_or_else(|| {
-                    let expected = format!("a part of an image of {width}x{height}");
-                    self.fault(value, &expected, &format!("{:?}", value.get_ref()))
-                })?
-            }
-        };
-        share.keep(bytes);
-        let part = Arc::new(part.wrapped(wrap));
-        textures.parts.insert(key, Arc::clone(&part));
-        Ok(Some((part, source)))
-    }
-
-    /// The image in a file that the scene names, or what stands in for it.
-    fn image_or_stand_in(
-        &self,
-        named: &Spanned<String>,
-        path: &Path,
-        warnings: &mut Vec<String>,
-    ) -> Result<Texture, FormatError> {
-        let budget = self.files.budget();
-        let read = || {
-            let bytes = self.bytes(named, path, &|_| ())?;
-            texture::decode(path, &bytes, budget)
-        };
-        match read() {
-            Err(error) if budget.limits().stand_ins => {
-                budget.check_cancelled(path)?;
-                warnings.push(format!("{error}; a checkerboard stands in for it"));
-                Ok(Texture::stand_in(None, [Wrap::Repeat; 2]))
-            }
-            read => read,
-        }
     }
 
     /// The projector of an object's texture, if the file sets any part of it; the rest is as for the mesh's bounds.

@@ -216,6 +216,37 @@ fn a_scalar_that_blends_is_one_of_the_meshes() {
     );
 }
 
+/// Images are decoded together, and the first fault in the file is told.
+#[test]
+fn each_object_has_its_own_of_several_images() {
+    let table = |texture: &str| format!("[[object]]\nmesh = \"b.txt\"\ntexture = \"{texture}\"\n");
+    let scene = |names: &[&str]| names.iter().map(|name| table(name)).collect::<String>();
+    let file = parse(&scene(&["wide.ppm", "t.ppm", "wide.ppm"]));
+    let texels = |at: usize| {
+        file.scene.objects[at]
+            .texture
+            .as_ref()
+            .map(|texture| texture.texels())
+    };
+    assert_eq!(texels(1), Some(&[[1, 2, 3, 255]][..]));
+    assert_eq!(texels(0), texels(2));
+    assert_eq!(texels(0).map(|texels| texels.len()), Some(4));
+    for (names, fault) in [
+        (
+            ["t.ppm", "bad.obj", "wide.ppm"],
+            "bad.obj: expected an image",
+        ),
+        (["t.ppm", "none.ppm", "bad.obj"], "scene:6: "),
+        (
+            ["bad.obj", "none.ppm", "t.ppm"],
+            "bad.obj: expected an image",
+        ),
+    ] {
+        let error = read_scene_from(&scene(&names), &files).expect_err("a fault");
+        assert!(error.to_string().starts_with(fault), "{names:?}: {error}");
+    }
+}
+
 #[test]
 fn textures_have_their_own_crop_wrap_and_projector() {
     let file = parse(MAPPED);
