@@ -174,7 +174,7 @@ fn losses(written: &Written) -> Vec<String> {
     }
     if moved > 0 {
         losses.push(format!(
-            "{moved} of {vertices} vertices are moved, by at most {largest_move:e}, since the format's numbers do not \
+            "{moved} of {vertices} vertices are moved, by at most {largest_move:.2e}, since the format's numbers do not \
              hold them"
         ));
     }
