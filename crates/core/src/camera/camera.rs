@@ -27,11 +27,8 @@ impl Camera {
     /// view axis, −Z or +Y replaces it. [`Pose::check`] reports both. An eye's coordinate nearer to zero than
     /// [`LEAST_EYE`] is zero.
     pub fn new(mut pose: Pose, projection: Projection, plane: ImagePlane) -> Self {
-        pose.eye = DVec3::select(
-            pose.eye.abs().cmplt(DVec3::splat(LEAST_EYE)),
-            DVec3::ZERO,
-            pose.eye,
-        );
+        let is_zero = pose.eye.abs().cmplt(DVec3::splat(LEAST_EYE));
+        pose.eye = DVec3::select(is_zero, DVec3::ZERO.copysign(pose.eye), pose.eye);
         let sight = pose.target - pose.eye;
         let length = sight.length();
         let (forward, distance) = if length.is_finite() && length > 0.0 {

@@ -98,7 +98,7 @@ pub(super) mod tests {
     pub(in crate::picture) fn sample_recipe(columns: u32, rows: u32) -> Recipe {
         let plane = ImagePlane::new(columns, rows, 0.1 / 3.0).expect("a good plane");
         let pose = Pose {
-            eye: DVec3::new(1e-300, -2.5, 1e18 / 3.0),
+            eye: DVec3::new(1e-40, -2.5, 1e18 / 3.0),
             target: DVec3::new(-0.0, 1.0 / 3.0, 7.0),
             up: DVec3::X,
         };
@@ -146,7 +146,7 @@ pub(super) mod tests {
             format!(
                 "raycast-recipe = 1\nscene = \"{scene}\"\nsize = [40, 30]\n\
                  step = 3.333333333333333e-2\nprojection = \"orthographic\"\n\
-                 eye = [1e-300, -2.5e0, 3.333333333333333e17]\n\
+                 eye = [1e-40, -2.5e0, 3.333333333333333e17]\n\
                  target = [-0e0, 3.333333333333333e-1, 7e0]\nup = [1e0, 0e0, 0e0]\n\
                  samples = 16\ncull = \"back\"\nprecision = \"fast\"\nmode = \"normals\"\n\
                  wireframe = [1e-1, \"#0102ab\", \"polygon,feature:12.5\", 2.5e-1]\nbackground = \"transparent\"\n\
