@@ -2,7 +2,8 @@
 
 use super::written::Written;
 use crate::scene::{
-    Attribute, Bounds, COORDINATE_LIMIT, Color, Mesh, Object, Scene, SceneError, recentring_offset,
+    Attribute, Bounds, COORDINATE_LIMIT, Color, Mesh, Object, Scene, SceneError, is_storable,
+    recentring_offset,
 };
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::borrow::Cow;
@@ -249,10 +250,14 @@ impl<'s> Part<'s> {
         part
     }
 
-    /// The bounding box that a reader finds around all triangles.
+    /// The bounding box that a reader finds around all triangles that it can store.
     fn bounds(&self) -> Bounds {
-        let corners = self.triangles.as_flattened().iter();
-        Bounds::around(corners.map(|&corner| self.positions[corner as usize]))
+        let all = self
+            .triangles
+            .iter()
+            .map(|triangle| self.corners(*triangle));
+        let storable = all.filter(|corners| corners.iter().all(|c| is_storable(*c)));
+        Bounds::around(storable.flatten())
     }
 
     /// The corners of a triangle.

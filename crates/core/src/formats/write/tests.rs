@@ -285,14 +285,20 @@ fn far() -> MeshData {
 
 #[test]
 fn far_singles_stay() {
-    let scene = scene([far()]);
-    let mesh = &scene.objects[0].mesh;
-    assert!(mesh.offset() != DVec3::ZERO);
-    for (name, format) in READ {
-        let (bytes, written) = bytes(&scene, format);
-        assert_eq!(written.moved, 0, "{name}");
-        let again = read(&scene, name, &bytes);
-        assert_eq!(corners(&again, 0), corners(mesh, 0), "{name}");
+    // A triangle that is too far away to be stored, beside it, does not count for the offset.
+    let mut beside = far();
+    beside.positions.extend([DVec3::splat(-2e18); 3]);
+    beside.triangles.push([3, 4, 5]);
+    for data in [far(), beside] {
+        let scene = scene([data]);
+        let mesh = &scene.objects[0].mesh;
+        assert!(mesh.offset() != DVec3::ZERO && mesh.kept() == [0]);
+        for (name, format) in READ {
+            let (bytes, written) = bytes(&scene, format);
+            assert_eq!(written.moved, 0, "{name}");
+            let again = read(&scene, name, &bytes);
+            assert_eq!(corners(&again, 0), corners(mesh, 0), "{name}");
+        }
     }
 }
 
