@@ -10,8 +10,9 @@ pub const MOST_SAMPLES: u32 = 4096;
 pub const WIDEST_LINE: f32 = 100.0;
 
 /// An eye's coordinate that is nearer to zero than this is taken for zero. Corners are multiples of 2⁻¹⁴⁹, and eyes still
-/// fit between them; much nearer to a corner's coordinate, products that all rays have in common would lose their digits
-/// to underflow, and each ray would be decided in integers of thousands of bits.
+/// fit between them. Beside a corner at zero an eye is then 2⁻¹⁶⁰ away or more, and beside any other a unit in its own last
+/// place, 2⁻²⁰¹ or more: products of three such distances lose no digits in double precision. Those of the least number
+/// do, and each ray would be decided in integers of thousands of bits.
 pub const LEAST_EYE: f64 = f64::from_bits((1023 - 160) << 52);
 
 /// The narrowest vertical field of view, in degrees: 1.7e-11 radians, so that neighbouring rays of a picture of

@@ -13,19 +13,6 @@ use glam::DVec3;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-const MODES: [Mode; 10] = [
-    Mode::Color,
-    Mode::Flat,
-    Mode::Smooth,
-    Mode::Material,
-    Mode::Normals,
-    Mode::Depth,
-    Mode::Barycentric,
-    Mode::Uv,
-    Mode::Texture,
-    Mode::Wireframe,
-];
-
 /// Two meshes in fourteen objects that overlap: rotated, mirrored, hidden, with parents, each with a colour rule.
 fn scene() -> Scene {
     let torus = Shape::Torus {
@@ -119,7 +106,7 @@ fn pictures_of_instances_are_those_of_one_tree() {
     let scene = Arc::new(scene);
     let plane = ClippingPlane::new(DVec3::new(-0.3, 0.1, -1.0), -0.4).expect("a plane");
     let cut = ClippingPlanes::new(&[plane]).expect("one plane");
-    for (number, mode) in MODES.into_iter().enumerate() {
+    for (number, mode) in Mode::ALL.into_iter().enumerate() {
         let settings = Settings {
             shading: Shading {
                 mode,

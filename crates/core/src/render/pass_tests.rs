@@ -125,22 +125,9 @@ fn coarse_passes_fill_every_pixel_from_its_block() {
 #[test]
 fn coarse_passes_have_the_colors_of_whole_pictures() {
     let plain = view();
-    let modes = [
-        Mode::Color,
-        Mode::Flat,
-        Mode::Smooth,
-        Mode::Material,
-        Mode::Normals,
-        Mode::Depth,
-        Mode::Barycentric,
-        Mode::Uv,
-        Mode::Texture,
-        Mode::Wireframe,
-        Mode::XRay,
-    ];
     let mut kinds = 0;
     for (_, projection) in Projection::all() {
-        for mode in modes {
+        for mode in Mode::ALL {
             for (lines, ground) in [(false, false), (true, false), (false, true)] {
                 let mut view = plain.clone();
                 let camera = view.camera;
