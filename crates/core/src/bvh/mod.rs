@@ -3,6 +3,7 @@
 mod build;
 mod corner_hash;
 mod duplicates;
+mod eight_corners;
 mod flatten;
 mod instances;
 mod joined;
@@ -16,9 +17,8 @@ pub(crate) mod tree;
 mod treelet;
 mod two_level;
 
-use crate::num::simd::{LANES, Simd};
+use crate::num::simd::Simd;
 use crate::scene::{Bounds, Scene, SceneError};
-use crate::triangle::CornerLanes;
 use glam::{DVec3, Vec3};
 use instances::{Instances, Opened};
 use std::sync::Arc;
@@ -161,31 +161,6 @@ impl Accel {
                 let opened = opened.insert(self.open_placed(index));
                 (&opened.boxes, opened.children)
             }
-        }
-    }
-
-    /// The corners of eight triangles as they are stored; those of instances must still be [placed](Accel::place).
-    #[inline(always)]
-    pub(crate) fn stored_corners<const INSTANCES: bool>(
-        &self,
-        primitives: &[u32; LANES],
-    ) -> [&[Vec3; 3]; LANES] {
-        if INSTANCES && self.triangles.is_empty() {
-            self.instances.stored_corners(primitives)
-        } else {
-            primitives.map(|primitive| &self.triangles[primitive as usize].corners)
-        }
-    }
-
-    /// Places the stored corners of eight triangles; does nothing without instances.
-    #[inline(always)]
-    pub(crate) fn place<const INSTANCES: bool>(
-        &self,
-        primitives: &[u32; LANES],
-        corners: &mut CornerLanes,
-    ) {
-        if INSTANCES && self.triangles.is_empty() {
-            self.instances.place(primitives, corners);
         }
     }
 

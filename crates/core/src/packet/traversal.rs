@@ -24,13 +24,12 @@ use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, Subtree};
 use crate::camera::{Camera, Lattice, Projection};
 use crate::hit::{Cull, Precision};
-use crate::num::simd::{F32x8, LANES, Lanes};
+use crate::num::simd::{LANES, Lanes};
 use crate::ray::relative_origin;
-use crate::triangle::CornerLanes;
 use crate::triangle::clip::{Clip, Kept};
 use descent::{DepthLimits, Descent, SmallBoxes};
 use entry_points::EntryPair;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::ops::Range;
 
 /// The number of rays in the bounds of the queued triangles at which they are set up although fewer than eight are
@@ -244,7 +243,9 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                         self.decisions.set_rays(&space, packet);
                         zbuffer.clear(lanes, packet.columns, packet.rows, self.start_key());
                     }
-                    let corners = self.corners(lanes, self.batch.primitives());
+                    let corners = self
+                        .accel
+                        .eight_corners::<INSTANCES>(lanes, self.batch.primitives());
                     projector.project(lanes, &corners, self.batch.len, &mut projected);
                     if !self.reference.is_zero() {
                         projected.relate_to(self.reference);
@@ -253,7 +254,9 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 if self.queued.len == 0 {
                     return begun;
                 }
-                let corners = self.corners(lanes, self.queued.primitives());
+                let corners = self
+                    .accel
+                    .eight_corners::<INSTANCES>(lanes, self.queued.primitives());
                 let primitives = &self.queued.primitives[..self.queued.len];
                 let decisions = &mut self.decisions;
                 zbuffer.rasterize(lanes, &space, &corners, &self.boxes, primitives, decisions);
@@ -426,31 +429,6 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         self.queued.push(primitive);
     }
 
-    /// The corners of eight triangles, in structure-of-arrays order.
-    #[inline(always)]
-    fn corners(&self, lanes: impl Lanes, primitives: &[u32; LANES]) -> CornerLanes {
-        let stored = self.accel.stored_corners::<INSTANCES>(primitives);
-        let [a, b, c, d, e, f, g, h] = stored;
-        let rows = [
-            row(lanes, a),
-            row(lanes, b),
-            row(lanes, c),
-            row(lanes, d),
-            row(lanes, e),
-            row(lanes, f),
-            row(lanes, g),
-            row(lanes, h),
-        ];
-        let [ax, ay, az, bx, by, bz, cx, cy] = lanes.transpose(rows);
-        let cz = lanes.load(&stored.map(|[_, _, c]| c.z));
-        let mut out: CornerLanes = [[0.0; LANES]; 9];
-        for (out, corners) in out.iter_mut().zip([ax, ay, az, bx, by, bz, cx, cy, cz]) {
-            corners.store(out);
-        }
-        self.accel.place::<INSTANCES>(primitives, &mut out);
-        out
-    }
-
     /// Prefetches what a subtree on the stack will be read from: its triangles, or its first nodes.
     #[inline(always)]
     fn prefetch(&self, lanes: impl Lanes, subtree: Subtree, is_hit: bool) {
@@ -532,10 +510,4 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         let projection = self.lattice.camera.projection();
         self.reference.key_of_box(projection, near)
     }
-}
-
-/// The first eight of a triangle's nine coordinates.
-#[inline(always)]
-fn row<L: Lanes>(lanes: L, [a, b, c]: &[Vec3; 3]) -> L::F32 {
-    lanes.load(&[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y])
 }

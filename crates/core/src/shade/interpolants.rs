@@ -144,6 +144,45 @@ impl PlanarRays {
     }
 }
 
+/// A sample of a triangle: its place, the triangle's corners relative to the tree's origin, the normals there, and its own
+/// unit normal on the side of the eye.
+#[derive(Clone, Copy)]
+pub(super) struct SmoothSample {
+    pub(super) place: (f64, f64),
+    pub(super) corners: [Vec3; 3],
+    pub(super) normals: [Vec3; 3],
+    pub(super) flat: Vec3,
+}
+
+impl PlanarRays {
+    /// The direction of parallel rays.
+    pub(super) fn parallel(&self) -> Option<DVec3> {
+        self.parallel
+    }
+
+    /// The normal of a sample, not of unit length, and whether it is what the triangle's [`LinearNormal`] has there: else
+    /// there is none. Without a branch, so that loops over it are vectorised. `parallel` as
+    /// [`PlanarRays::parallel`] says, known before such a loop.
+    #[inline(always)]
+    pub(super) fn normal_of(&self, parallel: Option<DVec3>, sample: &SmoothSample) -> (Vec3, bool) {
+        let SmoothSample {
+            place: (x, y),
+            corners,
+            normals,
+            flat,
+        } = *sample;
+        let (interpolants, is_accurate) = match parallel {
+            None => Interpolants::from_one_eye(self, corners, LARGEST_ERROR),
+            Some(forward) => Interpolants::along(forward, self, corners, LARGEST_ERROR),
+        };
+        let (linear, has_length) = interpolants.normal_between(normals, flat);
+        let normal = linear.unturned_at(x, y);
+        let is_away = linear.turns & (normal.dot(flat) < 0.0);
+        let side = if is_away { -1.0 } else { 1.0 };
+        (normal * side, is_accurate & has_length)
+    }
+}
+
 /// u and v from U, V and W.
 #[inline(always)]
 pub(super) fn eight_weights_of<L: Lanes>(lanes: L, [u, v, w]: [L::F32; 3]) -> [L::F32; 2] {
@@ -161,7 +200,7 @@ pub(super) struct Linear([f64; 3]);
 
 impl Linear {
     #[inline(always)]
-    fn at(self, x: f64, y: f64) -> f32 {
+    fn at(&self, x: f64, y: f64) -> f32 {
         let [corner, right, down] = self.0;
         ((corner + down * y) + right * x) as f32
     }
@@ -184,11 +223,21 @@ impl Linear {
 
     /// Values at the corners, interpolated: numerators over W.
     #[inline(always)]
-    fn between([u, v, w]: [Self; 3], [a, b, c]: [f32; 3]) -> Self {
-        let [a, b, c] = [a, b, c].map(f64::from);
-        Self(std::array::from_fn(|i| {
-            w.0[i] * a + u.0[i] * (b - a) + v.0[i] * (c - a)
-        }))
+    fn between([u, v, w]: &[Self; 3], (a, b, c): (f32, f32, f32)) -> Self {
+        let (a, b, c) = (f64::from(a), f64::from(b), f64::from(c));
+        w.times(a).plus(u.times(b - a)).plus(v.times(c - a))
+    }
+
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        let [corner, right, down] = self.0;
+        Self([corner * factor, right * factor, down * factor])
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a + x, b + y, c + z])
     }
 }
 
@@ -222,6 +271,56 @@ pub(super) fn eight_along<L: Lanes>(
     Vectors::new(lanes, xyz)
 }
 
+/// A triangle as its interpolants see it.
+struct Triangle {
+    /// The first corner, relative to the eye, and the edges from it.
+    a: DVec3,
+    ab: DVec3,
+    ac: DVec3,
+    /// N, and a·N.
+    normal: DVec3,
+    volume: f64,
+    /// m and e.
+    m: f64,
+    e: f64,
+    /// Whether these and the rays are within [`LENGTHS`].
+    is_in_range: bool,
+}
+
+impl Triangle {
+    #[inline(always)]
+    fn new(rays: &PlanarRays, [a, b, c]: [Vec3; 3]) -> Self {
+        let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+        let (ab, ac, bc) = (b - a, c - a, c - b);
+        let normal = ab.cross(ac);
+        let (a, b, c) = (a - rays.eye, b - rays.eye, c - rays.eye);
+        let m = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let e = ab.abs().max(ac.abs()).max(bc.abs()).max_element();
+        Self {
+            a,
+            ab,
+            ac,
+            normal,
+            volume: a.dot(normal),
+            m,
+            e,
+            is_in_range: is_usual(e) & is_usual(m) & is_usual(rays.reach),
+        }
+    }
+
+    /// K, with these for R and m.
+    #[inline(always)]
+    fn error(&self, rays: &PlanarRays, reach: f64, m: f64) -> f64 {
+        reach * self.e * (512.0 * EPSILON * m + 8.0 * rays.eye_error)
+    }
+}
+
+/// Whether a length is within [`LENGTHS`].
+#[inline(always)]
+fn is_usual(length: f64) -> bool {
+    (*LENGTHS.start() <= length) & (length <= *LENGTHS.end())
+}
+
 /// A triangle's interpolants: t, u and v of the places that show it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interpolants {
@@ -253,47 +352,56 @@ impl Interpolants {
     }
 
     fn within(largest_error: f64, rays: &PlanarRays, corners: [Vec3; 3]) -> Option<Self> {
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
-        let (ab, ac, bc) = (b - a, c - a, c - b);
-        let normal = ab.cross(ac);
-        let [a, b, c] = [a, b, c].map(|corner| corner - rays.eye);
-        let volume = a.dot(normal);
-        let m = a.abs().max(b.abs()).max(c.abs()).max_element();
-        let e = ab.abs().max(ac.abs()).max(bc.abs()).max_element();
-        let (reach, eta) = (rays.reach, rays.eye_error);
-        if !(LENGTHS.contains(&e) && LENGTHS.contains(&m) && LENGTHS.contains(&reach)) {
-            return None;
-        }
-        let error = |reach: f64, m: f64| reach * e * (512.0 * EPSILON * m + 8.0 * eta);
-        let scaled = |linear: Linear, scale: f64| Linear(linear.0.map(|number| number * scale));
-        match rays.parallel {
-            None => {
-                // W is positive where the triangle is hit, m/(λR): at least 1/(√3·R), and no more than 2²², since what is
-                // accurate has λ ≥ 2⁻²¹m/√3.
-                let scale = m / (reach * volume);
-                let error = error(reach, m) * (m * 3f64.sqrt());
-                let is_accurate = error <= largest_error * volume.abs();
-                is_accurate.then(|| Self {
-                    u: scaled(rays.linear(0.0, ac.cross(a)), scale),
-                    v: scaled(rays.linear(0.0, a.cross(ab)), scale),
-                    w: scaled(rays.linear(0.0, normal), scale),
-                    t: Linear([volume * scale, 0.0, 0.0]),
-                })
-            }
-            Some(forward) => {
-                let w = forward.dot(normal);
-                let is_accurate = error(1.0, m + reach) <= largest_error * w.abs();
-                is_accurate.then(|| {
-                    let [u, v] = [forward.dot(ac.cross(a)), forward.dot(a.cross(ab))];
-                    Self {
-                        u: scaled(rays.linear(u, ac.cross(forward)), 1.0 / w),
-                        v: scaled(rays.linear(v, forward.cross(ab)), 1.0 / w),
-                        w: Linear([1.0, 0.0, 0.0]),
-                        t: scaled(rays.linear(volume, -normal), 1.0 / w),
-                    }
-                })
-            }
-        }
+        let (interpolants, is_accurate) = match rays.parallel {
+            None => Self::from_one_eye(rays, corners, largest_error),
+            Some(forward) => Self::along(forward, rays, corners, largest_error),
+        };
+        is_accurate.then_some(interpolants)
+    }
+
+    /// Those of rays from one eye, and whether they are accurate. Without a branch, so that loops over it are vectorised;
+    /// so is all that it calls.
+    #[inline(always)]
+    fn from_one_eye(rays: &PlanarRays, corners: [Vec3; 3], largest_error: f64) -> (Self, bool) {
+        let triangle = Triangle::new(rays, corners);
+        let Triangle { a, ab, ac, m, .. } = triangle;
+        let volume = triangle.volume;
+        // W is positive where the triangle is hit, m/(λR): at least 1/(√3·R), and no more than 2²², since what is
+        // accurate has λ ≥ 2⁻²¹m/√3.
+        let scale = m / (rays.reach * volume);
+        let error = triangle.error(rays, rays.reach, m) * (m * 3f64.sqrt());
+        let interpolants = Self {
+            u: rays.linear(0.0, ac.cross(a)).times(scale),
+            v: rays.linear(0.0, a.cross(ab)).times(scale),
+            w: rays.linear(0.0, triangle.normal).times(scale),
+            t: Linear([volume * scale, 0.0, 0.0]),
+        };
+        let is_accurate = error <= largest_error * volume.abs();
+        (interpolants, is_accurate & triangle.is_in_range)
+    }
+
+    /// Those of parallel rays, and whether they are accurate, without a branch likewise.
+    #[inline(always)]
+    fn along(
+        forward: DVec3,
+        rays: &PlanarRays,
+        corners: [Vec3; 3],
+        largest_error: f64,
+    ) -> (Self, bool) {
+        let triangle = Triangle::new(rays, corners);
+        let Triangle { a, ab, ac, m, .. } = triangle;
+        let normal = triangle.normal;
+        let w = forward.dot(normal);
+        let scale = 1.0 / w;
+        let (u, v) = (forward.dot(ac.cross(a)), forward.dot(a.cross(ab)));
+        let interpolants = Self {
+            u: rays.linear(u, ac.cross(forward)).times(scale),
+            v: rays.linear(v, forward.cross(ab)).times(scale),
+            w: Linear([1.0, 0.0, 0.0]),
+            t: rays.linear(triangle.volume, -normal).times(scale),
+        };
+        let is_accurate = triangle.error(rays, 1.0, m + rays.reach) <= largest_error * w.abs();
+        (interpolants, is_accurate & triangle.is_in_range)
     }
 
     /// t, u and v at a place that shows the triangle.
@@ -347,20 +455,30 @@ impl Interpolants {
 
     /// The normals at the corners, of unit length, interpolated on the side of `flat`; `None` where they may cancel.
     pub(super) fn normals(&self, normals: [Vec3; 3], flat: Vec3) -> Option<LinearNormal> {
-        let [a, b, c] = normals;
-        let cosines = [a.dot(b), b.dot(c), c.dot(a)];
-        let have_length = normals.iter().all(|normal| *normal != Vec3::ZERO);
-        if !have_length || !cosines.iter().all(|cosine| *cosine >= LEAST_COSINE) {
-            return None;
-        }
-        let away = normals.map(|normal| normal.dot(flat) < 0.0);
-        let side = if away == [true; 3] { -1.0 } else { 1.0 };
-        let [a, b, c] = normals.map(|normal| (normal * side).to_array());
+        let (normal, has_length) = self.normal_between(normals, flat);
+        has_length.then_some(normal)
+    }
+
+    /// [`Interpolants::normals`], and whether they cannot cancel, without a branch.
+    #[inline(always)]
+    fn normal_between(&self, [a, b, c]: [Vec3; 3], flat: Vec3) -> (LinearNormal, bool) {
+        let have_length = (a != Vec3::ZERO) & (b != Vec3::ZERO) & (c != Vec3::ZERO);
+        let are_close =
+            (a.dot(b) >= LEAST_COSINE) & (b.dot(c) >= LEAST_COSINE) & (c.dot(a) >= LEAST_COSINE);
+        let (a_away, b_away, c_away) = (a.dot(flat) < 0.0, b.dot(flat) < 0.0, c.dot(flat) < 0.0);
+        let (all, any) = (a_away & b_away & c_away, a_away | b_away | c_away);
+        let side = if all { -1.0 } else { 1.0 };
+        let (a, b, c) = (a * side, b * side, c * side);
         let weights = [self.u, self.v, self.w];
-        Some(LinearNormal {
-            xyz: std::array::from_fn(|i| Linear::between(weights, [a[i], b[i], c[i]])),
-            turns: away.contains(&true) && away.contains(&false),
-        })
+        let normal = LinearNormal {
+            xyz: [
+                Linear::between(&weights, (a.x, b.x, c.x)),
+                Linear::between(&weights, (a.y, b.y, c.y)),
+                Linear::between(&weights, (a.z, b.z, c.z)),
+            ],
+            turns: any & !all,
+        };
+        (normal, have_length & are_close)
     }
 }
 
@@ -382,9 +500,16 @@ impl LinearNormal {
         }
     }
 
+    /// The normal at a place, not of unit length nor turned to a side.
+    #[inline(always)]
+    fn unturned_at(&self, x: f64, y: f64) -> Vec3 {
+        let [nx, ny, nz] = &self.xyz;
+        Vec3::new(nx.at(x, y), ny.at(x, y), nz.at(x, y))
+    }
+
     /// The unit normal at a place, on the side of `flat`.
     pub(super) fn at(&self, x: f64, y: f64, flat: Vec3) -> Vec3 {
-        let normal = Vec3::from(self.xyz.map(|linear| linear.at(x, y)));
+        let normal = self.unturned_at(x, y);
         let inverse = 1.0 / normal.length();
         let is_away = self.turns && normal.dot(flat) < 0.0;
         normal * if is_away { -inverse } else { inverse }

@@ -3,8 +3,9 @@
 //! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
 //! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
 //! mode needs. [`TileShader`] caches these. `texture` reads surfaces' images, and `lines` draws edges. `scanlines` shades
-//! rows whose colours follow from linear functions, `eight` shades eight samples of a row at once in lanes, `eight_texture`
-//! reads their textures and `eight_channels` fills the other channels of a picture, all with the bits of single samples.
+//! rows whose colours follow from linear functions (`single_samples` where triangles are as small as samples), `eight`
+//! shades eight samples of a row at once in lanes, `eight_texture` reads their textures and `eight_channels` fills the other
+//! channels of a picture, all with the bits of single samples.
 
 mod depth_colors;
 mod edge_choice;
@@ -43,6 +44,7 @@ mod scanlines;
 mod section;
 mod shader;
 mod sides;
+mod single_samples;
 mod slopes;
 mod smooth;
 #[cfg(test)]

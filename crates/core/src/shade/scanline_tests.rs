@@ -2,14 +2,15 @@
 //! no accurate linear functions.
 
 use super::facet::Interpolation;
-use super::{Filter, Mode, Shader, Shading};
+use super::spans::{COLUMNS, Span, spans};
+use super::{Filter, Mode, Shader, Shading, single_samples};
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
-use crate::hit::{Cull, Precision};
+use crate::hit::{Cull, MISS, Precision};
 use crate::hits::Hits;
 use crate::num::simd::Simd;
 use crate::random::Random;
-use crate::scene::{Attribute, ColorRule, Mesh, MeshData, Object, Scene, Texture};
+use crate::scene::{Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -119,17 +120,114 @@ fn long_rows_have_the_textures_of_their_samples() {
     check(&textured_scene(), &shadings);
 }
 
-/// Compares rows with single samples.
+/// Triangles as small as samples: with area and without, edge-on, and with normals that are zero, that cancel
+/// and that lie on both sides.
+fn crumbs(random: &mut Random, has_normals: bool) -> Arc<Mesh> {
+    let mut data = MeshData::default();
+    let mut normals = Vec::new();
+    let mut vector = |size: f64| {
+        let mut number = || (random.unit() * 2.0 - 1.0) * size;
+        DVec3::new(number(), number(), number())
+    };
+    for number in 0..12_000 {
+        let corner = vector(1.0) * DVec3::new(5.0, 1.2, 1.0);
+        let towards = (vector(1.0) + DVec3::Z * 2.0).as_vec3().normalize();
+        let mut corners = [corner, corner + vector(0.08), corner + vector(0.08)];
+        let mut at_corners = [towards; 3].map(|all| (all + vector(0.3).as_vec3()).normalize());
+        match number % 20 {
+            // Without area, and edge-on.
+            0 => corners[2] = corners[1],
+            1 => corners[2] = corners[0] + (corners[0] - DVec3::Z * 5.0) * 1e-3,
+            3 => at_corners[0] = Vec3::ZERO,
+            4 => at_corners[1] = -at_corners[1],
+            5 => at_corners = at_corners.map(|normal| -normal),
+            6 | 7 => at_corners[2] = Vec3::new(0.9, 0.4, -0.2),
+            _ => {}
+        }
+        let first = data.positions.len() as u32;
+        data.positions.extend(corners);
+        data.triangles.push([first, first + 1, first + 2]);
+        normals.extend(at_corners);
+    }
+    data.normals = has_normals.then_some(Attribute {
+        values: normals,
+        indices: None,
+    });
+    Arc::new(Mesh::new(data))
+}
+
+#[test]
+fn rows_of_small_triangles_have_the_colours_of_their_samples() {
+    let mut random = Random(77);
+    let mut with = Object::new("with normals", crumbs(&mut random, true));
+    with.color = ColorRule::PerTriangle { seed: 2 };
+    let mut turned = with.clone();
+    turned.transform.rotate = DVec3::new(10.0, 20.0, 30.0);
+    turned.transform.scale = DVec3::new(0.8, 1.0, 1.3);
+    let without = Object::new("without normals", crumbs(&mut random, false));
+    let floor = quad(FLOOR, false);
+    let instances = vec![with.clone(), turned, without.clone(), floor.clone()];
+    let scenes = [vec![with, without, floor], instances];
+    // Far from zero the eye is rounded by so much that some of the triangles have no linear functions.
+    for (objects, x) in scenes.into_iter().zip([0.0, 3e5]) {
+        let mut scene = Scene { objects };
+        for object in &mut scene.objects {
+            object.transform.translate.x = x;
+        }
+        let mut shadings = Vec::new();
+        for mode in [Mode::Smooth, Mode::Normals] {
+            for crease in [0.0, 30.0] {
+                shadings.push(Shading {
+                    mode,
+                    crease,
+                    ..Shading::default()
+                });
+            }
+        }
+        shadings.push(Shading {
+            mode: Mode::Smooth,
+            back_faces: Some(Color([200, 30, 90])),
+            ..Shading::default()
+        });
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let counts = compare(&scene, (projection, x), &shadings);
+            assert!(counts.short > 10_000 && counts.lines > 5_000, "{counts:?}");
+        }
+    }
+}
+
+/// Compares rows with single samples, and sees that both kinds of triangles occur.
 fn check(scene: &Scene, shadings: &[Shading]) {
+    let counts = compare(scene, (Projection::Perspective, 0.0), shadings);
+    assert!(
+        counts.lines > 1000 && counts.alone > 1000 && counts.misses > 1000,
+        "{counts:?}"
+    );
+}
+
+/// Of the samples that were compared.
+#[derive(Debug, Default)]
+struct Counts {
+    /// Those whose triangles have linear functions.
+    lines: usize,
+    /// Those whose triangles have none.
+    alone: usize,
+    misses: usize,
+    /// Those of short spans in rows of such.
+    short: usize,
+}
+
+/// Compares rows with single samples, seen from before a point of the x axis.
+fn compare(scene: &Scene, (projection, x): (Projection, f64), shadings: &[Shading]) -> Counts {
     let at = DVec3::new;
     let accel = Accel::build(scene).expect("a good scene");
     let plane = ImagePlane::new(150, 30, 0.06).expect("a good plane");
     let pose = Pose {
-        eye: at(0.0, 0.0, 5.0),
-        target: DVec3::ZERO,
+        eye: at(x, 0.0, 5.0),
+        target: at(x, 0.0, 0.0),
         up: DVec3::Y,
     };
-    let camera = Camera::new(pose, Projection::Perspective, plane);
+    let camera = Camera::new(pose, projection, plane);
     let rect = Rect {
         x: 1,
         y: 0,
@@ -144,7 +242,18 @@ fn check(scene: &Scene, shadings: &[Shading]) {
     };
     let hit = |(x, y)| accel.cast_primitive(&camera.ray(x, y), Cull::None, Precision::Exact);
     let hits: Hits = places((0.5, 0.5)).map(hit).collect();
-    let (mut lines, mut alone, mut misses) = (0, 0, 0);
+    let mut counts = Counts::default();
+    for row in hits.primitives.chunks(rect.width as usize) {
+        for some in row.chunks(COLUMNS) {
+            let spans = spans(some);
+            if single_samples::are_worth_it(spans.len(), some.len()) {
+                let short = |span: &Span| span.end - span.first <= single_samples::LONGEST;
+                let short = spans.filter(|span| span.primitive != MISS && short(span));
+                counts.short += short.map(|span| span.end - span.first).sum::<usize>();
+            }
+        }
+    }
+    counts.short *= shadings.len() * Simd::available().count();
     for simd in Simd::available() {
         let accel = accel.clone().with_simd(simd);
         for &shading in shadings {
@@ -158,12 +267,12 @@ fn check(scene: &Scene, shadings: &[Shading]) {
                 let expected = shader.shade_pixel8(x, y, &hit);
                 assert_eq!(*pixel, expected, "{mode:?} {simd:?} at {x}, {y}");
                 if hit.is_miss() {
-                    misses += 1;
+                    counts.misses += 1;
                     continue;
                 }
                 match tile.facet(hit.primitive, x).interpolation {
-                    Interpolation::Linear(_) => lines += 1,
-                    _ => alone += 1,
+                    Interpolation::Linear(_) => counts.lines += 1,
+                    _ => counts.alone += 1,
                 }
             }
             lattice.offset = (0.3, 0.8);
@@ -175,8 +284,5 @@ fn check(scene: &Scene, shadings: &[Shading]) {
             }
         }
     }
-    assert!(
-        lines > 1000 && alone > 1000 && misses > 1000,
-        "{lines} {alone} {misses}"
-    );
+    counts
 }

@@ -15,6 +15,7 @@ use super::hit_rows::HitRows;
 use super::interpolants::{PlanarRays, eight_along, eight_weights_of};
 use super::numbers::Numbers;
 use super::row_textures::{ColorTextured, RowTextures, Textured};
+use super::single_samples::{self, SingleSamples};
 use super::spans::{COLUMNS, Span, spans};
 use super::vectors::Vectors;
 use super::{Shader, TileShader};
@@ -83,6 +84,8 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         let mut numbers = [Numbers::all(0.0); NUMBERS];
         let mut textures = colors.have_textures().then(RowTextures::new);
         let mut coverages = shader.needs().edges.then(|| Numbers::all(0.0));
+        let has_normals = matches!(colors, RowColors::Smooth | RowColors::Normals);
+        let mut singles = (has_normals && coverages.is_none()).then_some(SingleSamples::NONE);
         let mut unencoded = Unencoded::new();
         let mut columns = Columns::new(shader, &lattice, 0);
         for row in 0..lattice.rows {
@@ -107,6 +110,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     numbers: &mut numbers,
                     textures: textures.as_mut(),
                     coverages: coverages.as_mut(),
+                    singles: singles.as_mut(),
                     textured: None,
                     primitives,
                     y,
@@ -153,6 +157,8 @@ struct Scanline<'r, 's, 'h> {
     textures: Option<&'r mut RowTextures>,
     /// How much of each sample lines cover, if there are any: plain ones along all edges.
     coverages: Option<&'r mut Numbers<f32>>,
+    /// Samples of short spans that wait for others, in modes that show normals.
+    singles: Option<&'r mut SingleSamples>,
     /// What the samples that are evaluated and not coloured yet are textured with.
     textured: Option<Textured<'s>>,
     primitives: &'h [u32],
@@ -171,12 +177,16 @@ impl<'s> Scanline<'_, 's, '_> {
             end: count,
         };
         let mut spans = spans(self.primitives);
+        if !single_samples::are_worth_it(spans.len(), count) {
+            self.singles = None;
+        }
         loop {
             // Spans are coloured in one place: it is long.
             let span = spans.next().unwrap_or(after);
             let is_miss = span.primitive == MISS;
             let textured = self.textured(span);
             if is_miss || !Textured::are_same(self.textured, textured) {
+                alone |= self.interpolate_singles(lanes);
                 self.color(lanes, (first, span.first), out);
                 self.textured = textured;
                 first = span.first;
@@ -187,6 +197,16 @@ impl<'s> Scanline<'_, 's, '_> {
                 if first >= count {
                     break;
                 }
+            } else if self.is_short(span) {
+                for at in span.first..span.end {
+                    if self
+                        .singles
+                        .as_mut()
+                        .is_some_and(|singles| singles.add(span.primitive, at))
+                    {
+                        alone |= self.interpolate_singles(lanes);
+                    }
+                }
             } else if !self.interpolate(lanes, span) {
                 alone |= (u64::MAX >> (COLUMNS - (span.end - span.first))) << span.first;
             }
@@ -194,6 +214,46 @@ impl<'s> Scanline<'_, 's, '_> {
         if alone != 0 {
             self.color_alone(alone, out);
         }
+    }
+
+    /// Whether a span is so short that its triangle, which is not prepared, is not worth preparing.
+    #[inline(always)]
+    fn is_short(&self, span: Span) -> bool {
+        self.singles.is_some()
+            && span.end - span.first <= single_samples::LONGEST
+            && !self.tile.knows(span.primitive)
+    }
+
+    /// Writes the numbers of the samples that wait; those that have no linear functions, a bit each.
+    #[inline(always)]
+    fn interpolate_singles<L: Lanes>(&mut self, lanes: L) -> u64 {
+        let Some(singles) = &mut self.singles else {
+            return 0;
+        };
+        let Some(samples) = singles.take() else {
+            return 0;
+        };
+        let shader = self.tile.shader();
+        let triangles = samples.triangles(lanes, shader);
+        let places = (&samples, &self.columns.x, self.y);
+        let normals = triangles.normals(shader, self.planar, places);
+        let mut alone = 0;
+        for (lane, at) in samples.places() {
+            if !normals.are_linear[lane] {
+                alone |= 1 << at;
+                continue;
+            }
+            for (numbers, normals) in self.numbers.iter_mut().zip(&normals.xyz) {
+                numbers.0[at] = normals[lane];
+            }
+            if !matches!(self.colors, RowColors::Normals) {
+                let color = triangles.color(shader, lane).to_array();
+                for (numbers, color) in self.numbers[3..].iter_mut().zip(color) {
+                    numbers.0[at] = color;
+                }
+            }
+        }
+        alone
     }
 
     /// What a span's triangle is textured with.

@@ -323,6 +323,16 @@ impl<'a> Shader<'a> {
         self.camera.has_an_eye_a_column()
     }
 
+    /// The tree whose triangles are shaded.
+    pub(super) fn accel(&self) -> &'a Accel {
+        self.accel
+    }
+
+    /// The eye, relative to the tree's origin.
+    pub(super) fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
     /// The instruction set to shade with: the tree's.
     pub(super) fn simd(&self) -> Simd {
         self.accel.simd()

@@ -45,6 +45,14 @@ pub(super) fn spans(primitives: &[u32]) -> Spans<'_> {
     Spans { primitives, starts }
 }
 
+impl Spans<'_> {
+    /// How many are left.
+    #[inline(always)]
+    pub(super) fn len(&self) -> u32 {
+        self.starts.count_ones()
+    }
+}
+
 impl Iterator for Spans<'_> {
     type Item = Span;
 

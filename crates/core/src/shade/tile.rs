@@ -328,6 +328,13 @@ impl<'s> TileShader<'s> {
         &self.facets[place].1
     }
 
+    /// Whether a shading triangle is cached.
+    #[inline(always)]
+    pub(super) fn knows(&self, primitive: u32) -> bool {
+        let known = self.facets.get(primitive as usize % FACETS);
+        known.is_some_and(|(known, _)| *known == primitive)
+    }
+
     #[inline(never)]
     fn remember(&mut self, primitive: u32, x: f64) {
         if self.facets.is_empty() {

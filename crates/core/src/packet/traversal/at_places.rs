@@ -125,7 +125,9 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 if self.queued.len == 0 {
                     return begun;
                 }
-                let corners = self.corners(lanes, self.queued.primitives());
+                let corners = self
+                    .accel
+                    .eight_corners::<INSTANCES>(lanes, self.queued.primitives());
                 let primitives = &self.queued.primitives[..self.queued.len];
                 let decisions = &mut self.decisions;
                 zbuffer.rasterize_at_places(
@@ -156,7 +158,9 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         places: &Places,
         projected: &mut TrianglesAtPlaces,
     ) {
-        let corners = self.corners(lanes, Batch::primitives(&self.batch));
+        let corners = self
+            .accel
+            .eight_corners::<INSTANCES>(lanes, Batch::primitives(&self.batch));
         let count = self.batch.len;
         if !projected.project(lanes, projector, &corners, count, &places.around) {
             space.bound_places(&corners, count, &mut projected.bounds);

@@ -49,7 +49,7 @@ impl Shader<'_> {
 
     /// The normals at an object's corners that lighting interpolates, and the indices of each triangle's.
     #[inline(always)]
-    fn normals_of(&self, object: u32) -> Option<(&Attribute<Vec3>, &[[u32; 3]])> {
+    pub(super) fn normals_of(&self, object: u32) -> Option<(&Attribute<Vec3>, &[[u32; 3]])> {
         let mesh = &self.scene.objects[object as usize].mesh;
         let normals = match self.creased.get(object as usize) {
             Some(Some(creased)) => creased,

@@ -149,6 +149,22 @@ impl Shader<'_> {
         [from_eye(a), from_eye(b), from_eye(c)]
     }
 
+    /// A triangle's own colour, or that of backs.
+    #[inline(always)]
+    pub(in crate::shade) fn triangle_color(
+        &self,
+        number: u32,
+        triangle: u32,
+        primitive: u32,
+    ) -> Vec3 {
+        if let Some(color) = self.back_color(primitive, 0.0) {
+            return color;
+        }
+        let object = &self.scene.objects[number as usize];
+        let place = || self.placed(number, primitive, 0.0);
+        (self.own_colors).of_triangle(number, object, triangle, place)
+    }
+
     /// A triangle in world space, for colour rules that depend on it.
     fn placed(&self, number: u32, primitive: u32, x: f64) -> PlacedCorners {
         PlacedCorners {
@@ -196,12 +212,7 @@ impl Shader<'_> {
             return self.displayed(normal * 0.5 + 0.5);
         }
         let (number, triangle) = self.accel.identify(primitive);
-        let object = &self.scene.objects[number as usize];
-        let place = || self.placed(number, primitive, 0.0);
-        let color = match self.back_color(primitive, 0.0) {
-            Some(color) => color,
-            None => (self.own_colors).of_triangle(number, object, triangle, place),
-        };
+        let color = self.triangle_color(number, triangle, primitive);
         if matches!(self.shading.mode, Mode::Color | Mode::Texture) {
             return opaque(color);
         }
@@ -216,6 +227,20 @@ impl Shader<'_> {
             _ => object.mesh.corner_normals(triangle),
         };
         self.normals_in_world(number, normals)
+    }
+
+    /// [`Shader::smooth_normals`] in object space, and their matrix to world space.
+    #[inline(always)]
+    pub(in crate::shade) fn corner_normals(
+        &self,
+        object: u32,
+        triangle: u32,
+    ) -> Option<([Vec3; 3], Mat3)> {
+        let to_world = (*self.world_normals.get(object as usize)?)?;
+        let (normals, indices) = self.normals_of(object)?;
+        let [a, b, c] = *indices.get(triangle as usize)?;
+        let normal = |corner: u32| normals.values.get(corner as usize).copied();
+        Some(([normal(a)?, normal(b)?, normal(c)?], to_world))
     }
 
     /// An object's normals in world space.
