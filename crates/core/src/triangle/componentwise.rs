@@ -26,7 +26,7 @@ const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// A determinant: its exact value is within `error` of `value`, and zero if `error` is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Determinant {
+pub(crate) struct Determinant {
     pub(super) value: f64,
     pub(super) error: f64,
 }
@@ -96,6 +96,12 @@ pub(super) struct Determinants {
 }
 
 impl Determinants {
+    /// Whether the signs of all weights are sure.
+    pub(super) fn have_sure_weights(&self) -> bool {
+        let mut weights = self.weights.into_iter();
+        weights.all(|weight| weight.signum().is_some())
+    }
+
     /// The determinants of a ray's direction and a triangle's corners relative to the ray's origin, which is off by
     /// at most `off` · ε. `None` where a factor is out of [`FACTOR_RANGE`].
     pub(super) fn new(direction: DVec3, corners: [DVec3; 3], off: f64) -> Option<Self> {

@@ -16,5 +16,6 @@ pub(crate) mod row_tests;
 mod watertight;
 
 pub(crate) use bounded_hit::BoundedHit;
+pub(crate) use componentwise::Determinant;
 pub(crate) use corner_lanes::CornerLanes;
 pub(crate) use watertight::PreparedRay;

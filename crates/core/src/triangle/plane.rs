@@ -142,14 +142,22 @@ impl Plane {
 /// eye, and the bound on its error: [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else
 /// exactly; zero only where the plane contains the eye.
 pub(crate) fn distance_of_eye(eye: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
-    let wide = eye_distance(eye, DVec3::ZERO, corners);
-    let wide = wide.filter(|wide| wide.error <= MOST_ERROR * wide.value.abs());
-    // NaN fails this comparison, and so does zero unless it is surely so.
-    if let Some(Determinant { value, error }) = wide {
+    if let Some(Determinant { value, error }) = eye_distance_closely(eye, DVec3::ZERO, corners) {
         return (value, error);
     }
     let exact = exact::distance_of_eye(eye, corners);
     (exact, 4.0 * EPSILON * exact.abs())
+}
+
+/// [`distance_of_eye`] in double-double arithmetic, with corners relative to `tree_origin`, where that suffices.
+pub(super) fn eye_distance_closely(
+    eye: DVec3,
+    tree_origin: DVec3,
+    corners: [Vec3; 3],
+) -> Option<Determinant> {
+    // NaN fails this comparison, and so does zero unless it is surely so.
+    eye_distance(eye, tree_origin, corners)
+        .filter(|wide| wide.error <= MOST_ERROR * wide.value.abs())
 }
 
 #[cfg(test)]

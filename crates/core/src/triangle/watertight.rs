@@ -13,6 +13,7 @@ use super::BoundedHit;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, OffsetTriangle};
+use super::plane::eye_distance_closely;
 use crate::hit::{Cull, Precision};
 use crate::num::roundoff::EPSILON;
 use crate::ray::{Ray, relative_origin};
@@ -102,10 +103,13 @@ impl PreparedRay {
         let candidate = match self.intersect_in_double(primitive, corners(primitive)) {
             Verdict::Miss => return,
             Verdict::Hit(hit) => hit,
-            Verdict::Undecided => match self.intersect_undecided(primitive, corners(primitive)) {
-                Some(hit) => hit,
-                None => return,
-            },
+            Verdict::Undecided => {
+                let at = corners(primitive);
+                match self.intersect_undecided(primitive, at, || self.numerator(at)) {
+                    Some(hit) => hit,
+                    None => return,
+                }
+            }
         };
         if nearest.is_miss() || candidate.is_surely_before(nearest) {
             *nearest = candidate;
@@ -119,33 +123,68 @@ impl PreparedRay {
         }
     }
 
-    /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided.
-    fn intersect_undecided(&self, primitive: u32, corners: [Vec3; 3]) -> Option<BoundedHit> {
-        match self.precision {
-            Precision::Exact => match self.intersect_componentwise(primitive, corners) {
-                Verdict::Miss => None,
-                Verdict::Hit(hit) => Some(hit),
-                Verdict::Undecided => match self.intersect_in_double_double(primitive, corners) {
-                    Verdict::Miss => None,
-                    Verdict::Hit(hit) => Some(hit),
-                    Verdict::Undecided => {
-                        self.was_exact.set(true);
-                        exact::hit(&self.ray, &self.placed(corners), self.cull, primitive)
-                    }
-                },
-            },
-            Precision::Fast => self.intersect_rounded(primitive, corners),
+    /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided. `numerator` gives that of
+    /// the ray's parameter: [`PreparedRay::numerator`].
+    fn intersect_undecided(
+        &self,
+        primitive: u32,
+        corners: [Vec3; 3],
+        numerator: impl FnOnce() -> Option<Determinant>,
+    ) -> Option<BoundedHit> {
+        if self.precision == Precision::Fast {
+            return self.intersect_rounded(primitive, corners);
         }
+        match self.intersect_closely(primitive, corners, numerator) {
+            Verdict::Miss => None,
+            Verdict::Hit(hit) => Some(hit),
+            Verdict::Undecided => {
+                self.was_exact.set(true);
+                exact::hit(&self.ray, &self.placed(corners), self.cull, primitive)
+            }
+        }
+    }
+
+    /// Intersects by determinants with bounds of their own: each more closely where the ones before leave it undecided.
+    fn intersect_closely(
+        &self,
+        primitive: u32,
+        corners: [Vec3; 3],
+        numerator: impl FnOnce() -> Option<Determinant>,
+    ) -> Verdict {
+        let determinants = self.componentwise(corners);
+        let verdict = self.intersect_by_determinants(primitive, determinants);
+        if !matches!(verdict, Verdict::Undecided) {
+            return verdict;
+        }
+        // Where a ray starts next to the triangle's plane, its parameter's numerator alone may cancel.
+        let sure = determinants.filter(Determinants::have_sure_weights);
+        let closer = sure.and_then(|Determinants { weights, .. }| {
+            let numerator = numerator()?;
+            Some(Determinants { weights, numerator })
+        });
+        let verdict = self.intersect_by_determinants(primitive, closer);
+        if !matches!(verdict, Verdict::Undecided) {
+            return verdict;
+        }
+        self.intersect_in_double_double(primitive, corners)
+    }
+
+    /// The numerator of the ray's parameter where it hits a triangle's plane, accurate to single precision: what rays from one
+    /// origin share. `None` where it is not to be had so closely.
+    pub(crate) fn numerator(&self, corners: [Vec3; 3]) -> Option<Determinant> {
+        eye_distance_closely(self.ray.origin, self.tree_origin, corners)
     }
 
     /// Intersects in double precision with componentwise bounds.
     fn intersect_componentwise(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
+        self.intersect_by_determinants(primitive, self.componentwise(corners))
+    }
+
+    /// The determinants in double precision with componentwise bounds.
+    fn componentwise(&self, corners: [Vec3; 3]) -> Option<Determinants> {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
         let off = self.origin_error / EPSILON;
-        self.intersect_by_determinants(
-            primitive,
-            Determinants::new(self.ray.direction, relative, off),
-        )
+        Determinants::new(self.ray.direction, relative, off)
     }
 
     /// Intersects in double-double arithmetic.
@@ -231,10 +270,20 @@ impl PreparedRay {
 
     /// The hit of a triangle that the ray is known to hit.
     pub(crate) fn hit_on(&self, primitive: u32, corners: [Vec3; 3]) -> BoundedHit {
+        self.hit_with(primitive, corners, || self.numerator(corners))
+    }
+
+    /// [`PreparedRay::hit_on`] with what [`PreparedRay::numerator`] says, asked for where it is needed.
+    pub(crate) fn hit_with(
+        &self,
+        primitive: u32,
+        corners: [Vec3; 3],
+        numerator: impl FnOnce() -> Option<Determinant>,
+    ) -> BoundedHit {
         match self.intersect_in_double(primitive, corners) {
             Verdict::Hit(hit) => hit,
             _ => self
-                .intersect_undecided(primitive, corners)
+                .intersect_undecided(primitive, corners, numerator)
                 .unwrap_or(BoundedHit::NONE),
         }
     }
@@ -392,6 +441,47 @@ mod tests {
             misjudged += u32::from(truth.is_some() && is_culled);
         }
         assert!(seen > 100 && misjudged > 20, "{misjudged} of {seen}");
+    }
+
+    /// Rays from a point of a triangle except for rounding, where the parameter's numerator cancels. The truth is integer
+    /// arithmetic. With the numerator's bound at zero this fails.
+    #[test]
+    fn rays_from_next_to_a_plane_are_decided_by_their_numerator() {
+        let mut random = Random(66);
+        for tree_origin in [DVec3::ZERO, DVec3::new(0.1, -7.3, 1e3)] {
+            let (mut hits, mut by_integers) = (0, 0);
+            for _ in 0..4000 {
+                let corners = [(); 3].map(|()| random.point().as_vec3());
+                let [a, b, c] = corners.map(Vec3::as_dvec3);
+                let (u, v) = (random.unit() * 0.5, random.unit() * 0.5);
+                let beside = random.point() * crate::math::pow(10.0, -14.0 - 6.0 * random.unit());
+                let origin = a + (b - a) * u + (c - a) * v + beside + tree_origin;
+                let ray = Ray::new(origin, random.point());
+                let prepared = PreparedRay::new(&ray, tree_origin, Cull::None, Precision::Exact);
+                let prepared = prepared.expect("a valid ray");
+                let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
+                let mut asked = false;
+                let verdict = prepared.intersect_closely(0, corners, || {
+                    asked = true;
+                    prepared.numerator(corners)
+                });
+                match verdict {
+                    Verdict::Undecided => by_integers += 1,
+                    Verdict::Miss => assert!(truth.is_none(), "{ray:?} {corners:?}"),
+                    Verdict::Hit(hit) => {
+                        let truth = truth.expect("a hit that is one");
+                        let off = (hit.t - truth.t).abs();
+                        assert!(off <= hit.t_error + truth.t_error, "{ray:?} {corners:?}");
+                        let single = 2f64.powi(-24);
+                        assert!(off <= single * truth.t, "{ray:?} {corners:?}");
+                        assert!((hit.u - truth.u).abs() <= single);
+                        assert!((hit.v - truth.v).abs() <= single);
+                        hits += u32::from(asked);
+                    }
+                }
+            }
+            assert!(hits > 1000 && by_integers < 100, "{hits} {by_integers}");
+        }
     }
 
     /// Rays through edges and corners except for rounding: close to the eye and far from it, and with a rounded eye.

@@ -1,16 +1,15 @@
 //! t, u and v of the rays of a lattice at the triangles that they are known to hit, eight rays of a row at a time.
 
 use crate::bvh::Accel;
-use crate::camera::{Lattice, PanoramaRays};
+use crate::camera::{Lattice, PanoramaRays, Projection};
 use crate::hit::{Cull, HitNumbers, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
-use crate::triangle::CornerLanes;
-use crate::triangle::PreparedRay;
 use crate::triangle::interpolate::{
     LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
+use crate::triangle::{CornerLanes, Determinant, PreparedRay};
 
 impl Accel {
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find_closest`] found, given by the
@@ -104,6 +103,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             numbers,
             hits,
         } = self;
+        let has_eye = lattice.camera.projection() != Projection::Orthographic;
         let mut interpolate = Interpolate::<INSTANCES> {
             accel,
             lattice,
@@ -113,6 +113,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             pencil: Pencil::new(lattice, accel.origin),
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
+            numerators: has_eye.then_some([(MISS, None); CACHED]),
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -175,6 +176,8 @@ struct Interpolate<'a, const INSTANCES: bool> {
     around: Option<PanoramaRays>,
     /// Indexed by the low bits of the primitive index.
     cached: [(u32, LinearHit); CACHED],
+    /// What [`PreparedRay::numerator`] says of triangles, indexed likewise, where all rays start at one eye.
+    numerators: Option<[(u32, Option<Determinant>); CACHED]>,
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -367,12 +370,24 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     }
 
     #[inline(never)]
-    fn one(&self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
+    fn one(&mut self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
         let ray = self.lattice.ray(column, row);
-        let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
-        ray.map_or(PrimitiveHit::NONE, |ray| {
-            ray.hit_on(primitive, self.accel.corners_of::<INSTANCES>(primitive))
-                .to_primitive_hit()
-        })
+        let Some(ray) = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision) else {
+            return PrimitiveHit::NONE;
+        };
+        let corners = self.accel.corners_of::<INSTANCES>(primitive);
+        let numerators = &mut self.numerators;
+        let numerator = || {
+            let Some(numerators) = numerators else {
+                return ray.numerator(corners);
+            };
+            let (cached, numerator) = &mut numerators[primitive as usize % CACHED];
+            if *cached != primitive {
+                (*cached, *numerator) = (primitive, ray.numerator(corners));
+            }
+            *numerator
+        };
+        ray.hit_with(primitive, corners, numerator)
+            .to_primitive_hit()
     }
 }
