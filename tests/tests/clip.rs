@@ -1,6 +1,7 @@
 //! Clipping planes in the program: pictures of sections are verified, files and options mean the same, rays and
 //! outlines are cut as pictures are.
 
+use raycast_core::glam::DVec3;
 use raycast_core::picture::{Format, ImageFile};
 use raycast_core::scene::Color;
 use raycast_tests::arguments;
@@ -105,6 +106,42 @@ fn pictures_of_sections_are_verified_and_a_changed_section_is_found() {
             "{case}: {}",
             message.errors
         );
+    }
+}
+
+/// A plane through three corners of a wall, as picks make it: rounding decides which parts of the wall it keeps, and `verify`
+/// finds all of them right.
+#[test]
+fn a_plane_through_a_face_is_verified() {
+    let folder = folder();
+    let corners: [[f32; 3]; 4] = [
+        [-1.03, -0.97, 0.11],
+        [1.07, -1.01, -0.35],
+        [1.01, 0.93, 0.27],
+        [-0.99, 1.02, 0.73],
+    ];
+    let vertices = corners.map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+    let text = vertices.concat() + "f 1 2 3\nf 1 3 4\n";
+    let wall = write(folder.path(), "wall.obj", text);
+    let [a, b, c, _] = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let normal = (b - a).cross(c - a).normalize();
+    let path = folder.path().join("wall.png");
+    for sign in [1.0, -1.0] {
+        let DVec3 { x, y, z } = normal * sign;
+        let clip = format!("--clip={x:?},{y:?},{z:?},{:?}", normal.dot(a) * sign);
+        for projection in ["perspective", "orthographic", "fisheye"] {
+            let mut arguments = arguments!["render", &wall, "-o", &path, &clip];
+            arguments.extend(strings(["--size", "90x70", "--mode", "color"]));
+            arguments.extend(strings(["--projection", projection]));
+            succeed(arguments);
+            let message = run(&mut command(arguments!["verify", &path, &wall, "--all"]));
+            assert_eq!(
+                message.status,
+                Some(0),
+                "{clip} {projection}: {}",
+                message.errors
+            );
+        }
     }
 }
 
