@@ -237,6 +237,25 @@ fn bench_has_its_shape() {
     let figures = json(&message.output);
     assert_eq!(figures[0]["views"][0]["view"], "given");
     assert_eq!(figures[0]["views"].as_array().map(Vec::len), Some(1));
+    assert!(figures[0]["views"][0].get("passes").is_none());
+}
+
+#[test]
+fn bench_measures_passes() {
+    let mesh = asset("cube.obj");
+    let message = succeed(arguments![
+        "bench", &mesh, "--passes", "--frames", "2", "--size", "64x48"
+    ]);
+    let figures = json(&message.output);
+    for view in figures[0]["views"].as_array().expect("views") {
+        let passes = view["passes"].as_array().expect("passes");
+        let strides: Vec<_> = passes.iter().map(|pass| pass["stride"].as_u64()).collect();
+        assert_eq!(strides, [1, 2, 4, 8].map(Some));
+        for pass in passes {
+            let [min, median] = ["min", "median"].map(|key| pass["ms"][key].as_f64());
+            assert!(min > Some(0.0) && min <= median, "{pass}");
+        }
+    }
 }
 
 #[test]

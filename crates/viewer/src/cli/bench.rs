@@ -14,6 +14,7 @@ far), both from yaw 22, pitch 16; with --eye only that view, named `given`.
 
 cast_ms is a frame's wall-clock time for visibility alone; frame_ms is that of visibility, shading
 and the picture's bytes; mrays_per_s follows from the median cast_ms.
+--passes adds `passes`: for each stride the time of a pass of so many rays.
 
 Example:
   raycast bench bunny.obj dragon.obj --frames 50 --threads 1")]
@@ -56,6 +57,10 @@ pub struct BenchArgs {
     /// views of frame time over cast time, written_ms the time that writing the picture's bytes alone takes
     #[arg(long, conflicts_with_all = ["mode", "baselines"])]
     pub modes: bool,
+    /// Also measure the passes of every ray, of every 2nd, 4th and 8th one in both directions, as the window makes them while
+    /// the camera moves
+    #[arg(long, conflicts_with = "modes")]
+    pub passes: bool,
     /// How rays are cast.
     #[command(flatten)]
     pub casting: CastingArgs,

@@ -1,4 +1,5 @@
 mod modes;
+mod passes;
 
 use super::{Failure, warn, workers};
 use crate::cli::BenchArgs;
@@ -6,6 +7,7 @@ use crate::output::print;
 use crate::progress::TerminalProgress;
 use crate::stats::{self, json, milliseconds};
 use crate::{memory, setup};
+use passes::PassFigures;
 use raycast_core::camera::{Camera, Grid, ImagePlane, Lattice, PixelFilter, PlaneRequest, Pose};
 use raycast_core::picture::Picture;
 use raycast_core::render::{Cancel, Settings, TileStats, View};
@@ -54,6 +56,8 @@ struct ViewFigures {
     hits_ms: TimeRange,
     frame_ms: TimeRange,
     mrays_per_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    passes: Option<Vec<PassFigures>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     baselines: Option<Vec<BaselineFigures>>,
 }
@@ -176,7 +180,7 @@ fn measure(
     let scene = Arc::new(scene);
     progress.counting(
         "measuring",
-        cameras.len() as u64 * (u64::from(args.frames) + 1),
+        cameras.len() as u64 * (u64::from(args.frames) + 1) * (1 + u64::from(args.passes)),
     );
     let mut views = Vec::with_capacity(cameras.len());
     for (name, camera) in cameras {
@@ -199,7 +203,13 @@ fn measure(
         };
         let measured =
             pool.install(|| measure_view(name, &view, baselines.as_deref(), args.frames, progress));
-        views.push(measured?);
+        let passes = args
+            .passes
+            .then(|| pool.install(|| passes::measure(&view, args.frames, progress)));
+        views.push(ViewFigures {
+            passes: passes.transpose()?,
+            ..measured?
+        });
     }
     Ok(FileFigures {
         file: name,
@@ -368,6 +378,7 @@ fn measure_view(
         hits_ms: TimeRange::from_times(&mut hits_times),
         frame_ms: TimeRange::from_times(&mut frame_times),
         mrays_per_s: stats::mrays_per_s(tiles.rays, cast_time),
+        passes: None,
         baselines: baselines.map(|casters| {
             let measured = casters.iter().zip(&lattices).zip(baseline_frames);
             measured
@@ -446,6 +457,7 @@ mod tests {
             hits_ms: TimeRange::default(),
             frame_ms: TimeRange::default(),
             mrays_per_s: 1.0,
+            passes: None,
             baselines: None,
         };
         let value = serde_json::to_value(figures).expect("JSON");
