@@ -3,7 +3,7 @@
 
 use super::facet::Interpolation;
 use super::spans::{COLUMNS, Span, spans};
-use super::{Filter, Mode, Shader, Shading, single_samples};
+use super::{Filter, Mode, Shader, Shading, short_spans};
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, MISS, Precision};
@@ -246,8 +246,8 @@ fn compare(scene: &Scene, (projection, x): (Projection, f64), shadings: &[Shadin
     for row in hits.primitives.chunks(rect.width as usize) {
         for some in row.chunks(COLUMNS) {
             let spans = spans(some);
-            if single_samples::are_worth_it(spans.len(), some.len()) {
-                let short = |span: &Span| span.end - span.first <= single_samples::LONGEST;
+            if short_spans::are_worth_it(spans.len(), some.len()) {
+                let short = |span: &Span| span.end - span.first <= short_spans::LONGEST;
                 let short = spans.filter(|span| span.primitive != MISS && short(span));
                 counts.short += short.map(|span| span.end - span.first).sum::<usize>();
             }

@@ -15,7 +15,7 @@ use super::hit_rows::HitRows;
 use super::interpolants::{PlanarRays, eight_along, eight_weights_of};
 use super::numbers::Numbers;
 use super::row_textures::{ColorTextured, RowTextures, Textured};
-use super::single_samples::{self, SingleSamples};
+use super::short_spans::{self, ShortSpans};
 use super::spans::{COLUMNS, Span, spans};
 use super::vectors::Vectors;
 use super::{Shader, TileShader};
@@ -85,7 +85,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         let mut textures = colors.have_textures().then(RowTextures::new);
         let mut coverages = shader.needs().edges.then(|| Numbers::all(0.0));
         let has_normals = matches!(colors, RowColors::Smooth | RowColors::Normals);
-        let mut singles = (has_normals && coverages.is_none()).then_some(SingleSamples::NONE);
+        let mut short = (has_normals && coverages.is_none()).then_some(ShortSpans::NONE);
         let mut unencoded = Unencoded::new();
         let mut columns = Columns::new(shader, &lattice, 0);
         for row in 0..lattice.rows {
@@ -110,7 +110,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     numbers: &mut numbers,
                     textures: textures.as_mut(),
                     coverages: coverages.as_mut(),
-                    singles: singles.as_mut(),
+                    short: short.as_mut(),
                     textured: None,
                     primitives,
                     y,
@@ -158,7 +158,7 @@ struct Scanline<'r, 's, 'h> {
     /// How much of each sample lines cover, if there are any: plain ones along all edges.
     coverages: Option<&'r mut Numbers<f32>>,
     /// Samples of short spans that wait for others, in modes that show normals.
-    singles: Option<&'r mut SingleSamples>,
+    short: Option<&'r mut ShortSpans>,
     /// What the samples that are evaluated and not coloured yet are textured with.
     textured: Option<Textured<'s>>,
     primitives: &'h [u32],
@@ -177,8 +177,8 @@ impl<'s> Scanline<'_, 's, '_> {
             end: count,
         };
         let mut spans = spans(self.primitives);
-        if !single_samples::are_worth_it(spans.len(), count) {
-            self.singles = None;
+        if !short_spans::are_worth_it(spans.len(), count) {
+            self.short = None;
         }
         loop {
             // Spans are coloured in one place: it is long.
@@ -186,7 +186,7 @@ impl<'s> Scanline<'_, 's, '_> {
             let is_miss = span.primitive == MISS;
             let textured = self.textured(span);
             if is_miss || !Textured::are_same(self.textured, textured) {
-                alone |= self.interpolate_singles(lanes);
+                alone |= self.interpolate_short(lanes);
                 self.color(lanes, (first, span.first), out);
                 self.textured = textured;
                 first = span.first;
@@ -199,12 +199,9 @@ impl<'s> Scanline<'_, 's, '_> {
                 }
             } else if self.is_short(span) {
                 for at in span.first..span.end {
-                    if self
-                        .singles
-                        .as_mut()
-                        .is_some_and(|singles| singles.add(span.primitive, at))
-                    {
-                        alone |= self.interpolate_singles(lanes);
+                    let short = self.short.as_mut();
+                    if short.is_some_and(|short| short.add(span.primitive, at)) {
+                        alone |= self.interpolate_short(lanes);
                     }
                 }
             } else if !self.interpolate(lanes, span) {
@@ -219,18 +216,18 @@ impl<'s> Scanline<'_, 's, '_> {
     /// Whether a span is so short that its triangle, which is not prepared, is not worth preparing.
     #[inline(always)]
     fn is_short(&self, span: Span) -> bool {
-        self.singles.is_some()
-            && span.end - span.first <= single_samples::LONGEST
+        self.short.is_some()
+            && span.end - span.first <= short_spans::LONGEST
             && !self.tile.knows(span.primitive)
     }
 
     /// Writes the numbers of the samples that wait; those that have no linear functions, a bit each.
     #[inline(always)]
-    fn interpolate_singles<L: Lanes>(&mut self, lanes: L) -> u64 {
-        let Some(singles) = &mut self.singles else {
+    fn interpolate_short<L: Lanes>(&mut self, lanes: L) -> u64 {
+        let Some(short) = &mut self.short else {
             return 0;
         };
-        let Some(samples) = singles.take() else {
+        let Some(samples) = short.take() else {
             return 0;
         };
         let shader = self.tile.shader();

@@ -354,6 +354,7 @@ mod tests {
     use super::*;
     use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
+    use std::fmt;
 
     fn ray_along_z() -> PreparedRay {
         let ray = Ray::new(DVec3::ZERO, DVec3::Z);
@@ -443,13 +444,31 @@ mod tests {
         assert!(seen > 100 && misjudged > 20, "{misjudged} of {seen}");
     }
 
+    /// Whether a verdict is sure; where it is, it must be what integers say.
+    fn is_decided(verdict: &Verdict, truth: Option<&BoundedHit>, what: impl fmt::Debug) -> bool {
+        match (verdict, truth) {
+            (Verdict::Undecided, _) => return false,
+            (Verdict::Miss, truth) => assert!(truth.is_none(), "{what:?}"),
+            (Verdict::Hit(_), None) => panic!("a hit that is none: {what:?}"),
+            (Verdict::Hit(hit), Some(truth)) => {
+                let off = (hit.t - truth.t).abs();
+                assert!(off <= hit.t_error + truth.t_error, "{what:?}");
+                let single = 2f64.powi(-24);
+                assert!(off <= single * truth.t, "{what:?}");
+                assert!((hit.u - truth.u).abs() <= single, "{what:?}");
+                assert!((hit.v - truth.v).abs() <= single, "{what:?}");
+            }
+        }
+        true
+    }
+
     /// Rays from a point of a triangle except for rounding, where the parameter's numerator cancels. The truth is integer
-    /// arithmetic. With the numerator's bound at zero this fails.
+    /// arithmetic. That it is the numerator which decides is seen where twice of it gives twice the parameter.
     #[test]
     fn rays_from_next_to_a_plane_are_decided_by_their_numerator() {
         let mut random = Random(66);
         for tree_origin in [DVec3::ZERO, DVec3::new(0.1, -7.3, 1e3)] {
-            let (mut hits, mut by_integers) = (0, 0);
+            let mut by_numerator = 0;
             for _ in 0..4000 {
                 let corners = [(); 3].map(|()| random.point().as_vec3());
                 let [a, b, c] = corners.map(Vec3::as_dvec3);
@@ -460,27 +479,19 @@ mod tests {
                 let prepared = PreparedRay::new(&ray, tree_origin, Cull::None, Precision::Exact);
                 let prepared = prepared.expect("a valid ray");
                 let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
-                let mut asked = false;
-                let verdict = prepared.intersect_closely(0, corners, || {
-                    asked = true;
-                    prepared.numerator(corners)
+                let numerator = prepared.numerator(corners);
+                let verdict = prepared.intersect_closely(0, corners, || numerator);
+                is_decided(&verdict, truth.as_ref(), (ray, corners));
+                let twice = numerator.map(|Determinant { value, error }| Determinant {
+                    value: 2.0 * value,
+                    error: 2.0 * error,
                 });
-                match verdict {
-                    Verdict::Undecided => by_integers += 1,
-                    Verdict::Miss => assert!(truth.is_none(), "{ray:?} {corners:?}"),
-                    Verdict::Hit(hit) => {
-                        let truth = truth.expect("a hit that is one");
-                        let off = (hit.t - truth.t).abs();
-                        assert!(off <= hit.t_error + truth.t_error, "{ray:?} {corners:?}");
-                        let single = 2f64.powi(-24);
-                        assert!(off <= single * truth.t, "{ray:?} {corners:?}");
-                        assert!((hit.u - truth.u).abs() <= single);
-                        assert!((hit.v - truth.v).abs() <= single);
-                        hits += u32::from(asked);
-                    }
+                let twice = prepared.intersect_closely(0, corners, || twice);
+                if let (Verdict::Hit(once), Verdict::Hit(twice)) = (verdict, twice) {
+                    by_numerator += u32::from(twice.t == 2.0 * once.t);
                 }
             }
-            assert!(hits > 1000 && by_integers < 100, "{hits} {by_integers}");
+            assert!(by_numerator > 1000, "{by_numerator}");
         }
     }
 
@@ -554,20 +565,7 @@ mod tests {
                     ),
                 ];
                 for (verdict, decided) in verdicts {
-                    match verdict {
-                        Verdict::Undecided => continue,
-                        Verdict::Miss => assert!(truth.is_none(), "{ray:?} {corners:?}"),
-                        Verdict::Hit(hit) => {
-                            let truth = truth.expect("a hit that is one");
-                            let off = (hit.t - truth.t).abs();
-                            assert!(off <= hit.t_error + truth.t_error, "{ray:?} {corners:?}");
-                            let single = 2f64.powi(-24);
-                            assert!(off <= single * truth.t, "{ray:?} {corners:?}");
-                            assert!((hit.u - truth.u).abs() <= single);
-                            assert!((hit.v - truth.v).abs() <= single);
-                        }
-                    }
-                    *decided += 1;
+                    *decided += u32::from(is_decided(&verdict, truth.as_ref(), (ray, corners)));
                 }
                 hits += u32::from(truth.is_some());
             }

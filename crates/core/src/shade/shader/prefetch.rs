@@ -3,9 +3,8 @@
 use super::Shader;
 use crate::MISS;
 use crate::num::simd::Lanes;
-use crate::scene::{Attribute, Scene};
+use crate::scene::Scene;
 use crate::shade::facet::Needs;
-use glam::Vec3;
 
 /// The most triangles of a mesh whose normals and their indices, some 20 bytes a triangle, stay in a core's second-level
 /// cache.
@@ -45,18 +44,6 @@ impl Shader<'_> {
                 lanes.prefetch(&normals.values, corner as usize);
             }
         });
-    }
-
-    /// The normals at an object's corners that lighting interpolates, and the indices of each triangle's.
-    #[inline(always)]
-    pub(super) fn normals_of(&self, object: u32) -> Option<(&Attribute<Vec3>, &[[u32; 3]])> {
-        let mesh = &self.scene.objects[object as usize].mesh;
-        let normals = match self.creased.get(object as usize) {
-            Some(Some(creased)) => creased,
-            _ => mesh.normals()?,
-        };
-        let indices = normals.indices.as_deref();
-        Some((normals, indices.unwrap_or_else(|| mesh.triangles())))
     }
 }
 

@@ -86,7 +86,7 @@ impl Shader<'_> {
             }
         }
         if needs.smooth {
-            facet.normals = self.smooth_normals(number, object, triangle);
+            facet.normals = self.smooth_normals(number, triangle);
         }
         if let (true, Some(rays)) = (needs.interpolants, &self.planar) {
             let interpolants = Interpolants::new(rays, self.accel.corners(primitive));
@@ -221,12 +221,9 @@ impl Shader<'_> {
     }
 
     /// The normals at a triangle's corners that lighting interpolates, in world space.
-    fn smooth_normals(&self, number: u32, object: &Object, triangle: u32) -> Option<[Vec3; 3]> {
-        let normals = match self.creased.get(number as usize) {
-            Some(Some(creased)) => creased.corners(triangle, [u32::MAX; 3]),
-            _ => object.mesh.corner_normals(triangle),
-        };
-        self.normals_in_world(number, normals)
+    fn smooth_normals(&self, object: u32, triangle: u32) -> Option<[Vec3; 3]> {
+        let (normals, to_world) = self.corner_normals(object, triangle)?;
+        Some(normals.map(|normal| (to_world * normal).normalize_or_zero()))
     }
 
     /// [`Shader::smooth_normals`] in object space, and their matrix to world space.
@@ -241,6 +238,18 @@ impl Shader<'_> {
         let [a, b, c] = *indices.get(triangle as usize)?;
         let normal = |corner: u32| normals.values.get(corner as usize).copied();
         Some(([normal(a)?, normal(b)?, normal(c)?], to_world))
+    }
+
+    /// The normals at an object's corners that lighting interpolates, and the indices of each triangle's.
+    #[inline(always)]
+    pub(super) fn normals_of(&self, object: u32) -> Option<(&Attribute<Vec3>, &[[u32; 3]])> {
+        let mesh = &self.scene.objects[object as usize].mesh;
+        let normals = match self.creased.get(object as usize) {
+            Some(Some(creased)) => creased,
+            _ => mesh.normals()?,
+        };
+        let indices = normals.indices.as_deref();
+        Some((normals, indices.unwrap_or_else(|| mesh.triangles())))
     }
 
     /// An object's normals in world space.
