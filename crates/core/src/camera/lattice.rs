@@ -1,4 +1,4 @@
-use super::{Camera, Ray};
+use super::{Camera, Ray, Rect};
 
 /// Rays of one camera at regular places: through every `stride`-th pixel of a rectangle, from its top left, all at
 /// the same offset within their pixels.
@@ -44,6 +44,17 @@ impl Lattice {
     /// The number of rays.
     pub fn len(&self) -> usize {
         self.columns as usize * self.rows as usize
+    }
+
+    /// The rays of a rectangle of it, given as its columns and rows.
+    pub(crate) fn part(&self, rays: Rect) -> Self {
+        Self {
+            x: self.x + rays.x * self.stride,
+            y: self.y + rays.y * self.stride,
+            columns: rays.width,
+            rows: rays.height,
+            ..*self
+        }
     }
 
     /// Whether it has no rays.

@@ -19,6 +19,7 @@ mod tests;
 use super::params::{CELLS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::rivals::Rivals;
+use super::traversal::Occlusion;
 use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
 use crate::num::choice::lesser;
@@ -171,34 +172,6 @@ impl IntervalZBuffer {
         stored == UNDECIDED
     }
 
-    /// The least and the greatest hi-z of the cells. What is surely further than the least is occluded for every ray;
-    /// what is surely further than the greatest, in at least one cell.
-    #[inline(always)]
-    pub(crate) fn hi_z(&self, lanes: impl Lanes) -> (f32, f32) {
-        let (infinity, zero) = (lanes.splat(f32::INFINITY), lanes.splat(0.0));
-        let (mut least, mut most_negated) = (infinity, infinity);
-        for hi_z in self.hi_z.as_chunks().0 {
-            let hi_z = lanes.load(hi_z);
-            least = hi_z.min(least);
-            // Cells without rays have an infinite one.
-            let negated = zero - hi_z;
-            let negated = hi_z.lt(infinity).select(negated, infinity);
-            most_negated = negated.min(most_negated);
-        }
-        (least.reduce_min(), -most_negated.reduce_min())
-    }
-
-    /// Whether all rays of these cells (as bits) surely have a hit nearer than `nearest`.
-    #[inline(always)]
-    pub(crate) fn occludes_cells(&self, lanes: impl Lanes, cells: u32, nearest: f32) -> bool {
-        let nearest = lanes.splat(nearest);
-        let mut hidden = 0;
-        for (rows, hi_z) in self.hi_z.as_chunks().0.iter().enumerate() {
-            hidden |= nearest.lt(lanes.load(hi_z)).bits() << (rows * LANES);
-        }
-        cells & !hidden == 0
-    }
-
     /// Whether all rays of a box surely have a hit nearer than `nearest`, by hi-z.
     #[inline(always)]
     pub(crate) fn occludes(&self, rays: &RayBox, nearest: f32) -> bool {
@@ -277,6 +250,38 @@ impl IntervalZBuffer {
     }
 }
 
+impl Occlusion for IntervalZBuffer {
+    #[inline(always)]
+    fn update(&mut self, lanes: impl Lanes) {
+        self.update_hi_z(lanes);
+    }
+
+    #[inline(always)]
+    fn hi_z(&self, lanes: impl Lanes) -> (f32, f32) {
+        let (infinity, zero) = (lanes.splat(f32::INFINITY), lanes.splat(0.0));
+        let (mut least, mut most_negated) = (infinity, infinity);
+        for hi_z in self.hi_z.as_chunks().0 {
+            let hi_z = lanes.load(hi_z);
+            least = hi_z.min(least);
+            // Cells without rays have an infinite one.
+            let negated = zero - hi_z;
+            let negated = hi_z.lt(infinity).select(negated, infinity);
+            most_negated = negated.min(most_negated);
+        }
+        (least.reduce_min(), -most_negated.reduce_min())
+    }
+
+    #[inline(always)]
+    fn occludes_cells(&self, lanes: impl Lanes, cells: u32, nearest: f32) -> bool {
+        let nearest = lanes.splat(nearest);
+        let mut hidden = 0;
+        for (rows, hi_z) in self.hi_z.as_chunks().0.iter().enumerate() {
+            hidden |= nearest.lt(lanes.load(hi_z)).bits() << (rows * LANES);
+        }
+        cells & !hidden == 0
+    }
+}
+
 /// The cell of a ray.
 fn cell_of(ray: usize) -> usize {
     ray / (SIDE * ROW) * CELLS + ray % SIDE / ROW
@@ -289,7 +294,7 @@ fn stored_primitive(stored: u32) -> Option<u32> {
 }
 
 #[inline(always)]
-fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
+pub(super) fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
     while bits != 0 {
         of(bits.trailing_zeros() as usize);
         bits &= bits - 1;

@@ -35,6 +35,9 @@
 //! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds include how far the picture's
 //! own rays are from that lattice's.
 //!
+//! Where surfaces are translucent, all hits of a ray count: `multi_hit` gathers them from the same traversal
+//! (`traversal::gather`) in a `hit_buffer`, and orders them ray by ray.
+//!
 //! `observer` and `trace` record the traversal for pictures and tables. *Invariant*: no decision is final unless a
 //! derived bound proves it, so the answers are those of exact arithmetic.
 
@@ -52,12 +55,16 @@ mod counts;
 mod decisions;
 mod depth_reference;
 mod frustum;
+mod hit_buffer;
 #[cfg(test)]
 mod hostile_panorama_tests;
 #[cfg(test)]
 mod instance_tests;
 mod interval_zbuffer;
 mod lane_math;
+mod multi_hit;
+#[cfg(test)]
+mod multi_hit_tests;
 mod observer;
 mod params;
 mod place_box;
@@ -86,4 +93,6 @@ mod triangles_at_places;
 mod triangles_at_places_tests;
 
 pub use counts::CastCounts;
+pub(crate) use multi_hit::MultiHits;
+pub(crate) use params::LARGE_SIDE;
 pub use trace::{EntryPoint, LargeTrace, PacketTrace};

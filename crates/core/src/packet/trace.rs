@@ -124,7 +124,7 @@ impl Work for RecordTrace<'_> {
             let before = traversal.counts.nodes;
             traversal.find_entry_points(lanes, &large);
             let mut trace = LargeTrace {
-                rays: rays(lattice, &large),
+                rays: lattice.part(large.rect()),
                 nodes: traversal.counts.nodes - before,
                 entry_points: Vec::with_capacity(traversal.entry_points.len()),
                 packets: Vec::new(),
@@ -147,7 +147,7 @@ impl Work for RecordTrace<'_> {
                     }
                     let seen = ray_indices(lattice, &packet).map(|at| find.primitives[at]);
                     trace.packets.push(PacketTrace {
-                        rays: rays(lattice, &packet),
+                        rays: lattice.part(packet.rect()),
                         nodes: traversal.counts.nodes - before,
                         reached: ascending(recorder.reached),
                         set_up: ascending(recorder.set_up),
@@ -157,17 +157,6 @@ impl Work for RecordTrace<'_> {
             }
             traces.push(trace);
         }
-    }
-}
-
-/// The rays of a rectangle, as a lattice of their own.
-fn rays(lattice: &Lattice, packet: &RayRect) -> Lattice {
-    Lattice {
-        x: lattice.x + packet.column * lattice.stride,
-        y: lattice.y + packet.row * lattice.stride,
-        columns: packet.columns,
-        rows: packet.rows,
-        ..*lattice
     }
 }
 

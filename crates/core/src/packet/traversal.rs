@@ -7,6 +7,8 @@
 mod at_places;
 mod descent;
 mod entry_points;
+mod gather;
+mod occlusion;
 
 use super::counts::CastCounts;
 use super::decisions::Decisions;
@@ -30,6 +32,7 @@ use crate::triangle::clip::{Clip, Kept};
 use descent::{DepthLimits, Descent, SmallBoxes};
 use entry_points::EntryPair;
 use glam::DVec3;
+pub(super) use occlusion::Occlusion;
 use std::ops::Range;
 
 /// The number of rays in the bounds of the queued triangles at which they are set up although fewer than eight are
@@ -279,7 +282,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         lanes: impl Lanes,
         descent: &mut Descent,
         packet: &RayRect,
-        zbuffer: &mut IntervalZBuffer,
+        occlusion: &mut impl Occlusion,
         observer: &mut impl Observer,
     ) {
         self.batch.len = 0;
@@ -309,8 +312,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                     break;
                 }
                 if std::mem::take(&mut descent.merged_small) {
-                    zbuffer.update_hi_z(lanes);
-                    descent.limits = self.limits(lanes, zbuffer);
+                    occlusion.update(lanes);
+                    descent.limits = self.limits(lanes, occlusion);
                     continue;
                 }
                 descent.pair += 1;
@@ -338,8 +341,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                     };
                     let in_a = cells.touched(lanes, boxes, 0);
                     let in_b = cells.touched(lanes, boxes, 1);
-                    a_hit &= !zbuffer.occludes_cells(lanes, in_a, self.depth_key(near_a));
-                    b_hit &= !zbuffer.occludes_cells(lanes, in_b, self.depth_key(near_b));
+                    a_hit &= !occlusion.occludes_cells(lanes, in_a, self.depth_key(near_a));
+                    b_hit &= !occlusion.occludes_cells(lanes, in_b, self.depth_key(near_b));
                 }
             }
             let [a, b] = children;
@@ -495,8 +498,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
 
     /// How far boxes may begin without being occluded.
     #[inline(always)]
-    fn limits(&self, lanes: impl Lanes, zbuffer: &IntervalZBuffer) -> DepthLimits {
-        let (least, most) = zbuffer.hi_z(lanes);
+    fn limits(&self, lanes: impl Lanes, occlusion: &impl Occlusion) -> DepthLimits {
+        let (least, most) = occlusion.hi_z(lanes);
         let projection = self.lattice.camera.projection();
         DepthLimits {
             furthest: self.reference.furthest(projection, least),

@@ -3,8 +3,8 @@
 use super::compositor::Compositor;
 use super::photographs::Photographs;
 use super::view::View;
-use crate::camera::Lattice;
-use crate::hit::PrimitiveHit;
+use crate::camera::{Lattice, Rect};
+use crate::hit::Detail;
 use crate::hits::Hits;
 use crate::picture::Layers;
 use crate::shade::{Shader, TileShader};
@@ -20,6 +20,8 @@ pub(super) struct Buffers<'s> {
     /// The layers of a tile that is done: new memory for each tile would have to be given by the system each time.
     pub(super) layers: Option<Layers>,
     pub(super) shader: TileShader<'s>,
+    /// What [`Buffers::cast_secondary_rays`] found.
+    pub(super) secondary: Vec<Option<[f32; 4]>>,
     /// `None` where no surface is translucent.
     compositor: Option<Compositor<'s>>,
     /// `None` where no texture is a photograph.
@@ -35,8 +37,22 @@ impl<'s> Buffers<'s> {
             pixels: Vec::new(),
             layers: None,
             shader: shader.tile(),
+            secondary: Vec::new(),
             compositor: shader.translucent().map(compositor),
             photographs: (shader.has_photographs()).then(|| Photographs::new(view, shader.masks())),
+        }
+    }
+
+    /// Shades a rectangle by its closest hits alone; t, u and v must be interpolated where colours depend on them.
+    pub(super) fn shade_closest<'p>(
+        &mut self,
+        rect: Rect,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        let Self { shader, hits, .. } = self;
+        match shader.shader().detail() {
+            Detail::Triangle => shader.shade_primitives(rect, &hits.primitives, rows),
+            Detail::Full => shader.shade(rect, hits, rows),
         }
     }
 
@@ -52,36 +68,39 @@ impl<'s> Buffers<'s> {
         lattice: &Lattice,
         light: &mut Vec<[f32; 4]>,
     ) {
-        light.clear();
-        for at in 0..lattice.len() {
-            let columns = lattice.columns as usize;
-            let (x, y) = lattice.place((at % columns) as u32, (at / columns) as u32);
-            let hit = self.hits.get(at);
-            let secondary = self.secondary_color((x, y), &hit);
-            light.push(secondary.unwrap_or_else(|| self.shader.color(x, y, &hit)));
+        self.shader.light(lattice, &self.hits, light);
+        self.cast_secondary_rays(lattice);
+        for (light, secondary) in light.iter_mut().zip(&self.secondary) {
+            *light = secondary.unwrap_or(*light);
         }
     }
 
-    /// The colour of the sample at (x, y) (linear light, straight alpha) where that of its closest hit `hit` is not the
+    /// Computes the colours of a lattice's samples (linear light, straight alpha) where that of the closest hit is not the
     /// answer: where further layers show, or the camera of a photograph does not see the hit. `None` elsewhere.
-    pub(super) fn secondary_color(
-        &mut self,
-        place: (f64, f64),
-        hit: &PrimitiveHit,
-    ) -> Option<[f32; 4]> {
+    pub(super) fn cast_secondary_rays(&mut self, lattice: &Lattice) {
         let Self {
+            hits,
             shader,
             compositor,
             photographs,
+            secondary,
             ..
         } = self;
+        secondary.clear();
+        secondary.resize(lattice.len(), None);
         let photographs = photographs.as_ref();
-        let composited = |compositor: &mut Compositor<'s>| {
-            compositor.color(shader, photographs, place, hit.primitive)
+        if let Some(compositor) = compositor {
+            compositor.composite(shader, photographs, lattice, &hits.primitives, secondary);
+        }
+        let Some(photographs) = photographs else {
+            return;
         };
-        match compositor.as_mut().and_then(composited) {
-            None => photographs?.color_if_hidden(shader, place, hit),
-            composited => composited,
+        for (at, secondary) in secondary.iter_mut().enumerate() {
+            let ray = at as u32;
+            let place = lattice.place(ray % lattice.columns, ray / lattice.columns);
+            let hit = hits.get(at);
+            let hidden = || photographs.color_if_hidden(shader, place, &hit);
+            *secondary = secondary.or_else(hidden);
         }
     }
 }

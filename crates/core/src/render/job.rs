@@ -153,15 +153,19 @@ impl Job {
         renderer.shade(|buffers| {
             let mut colors = std::mem::take(&mut buffers.pixels);
             (buffers.shader).shade_lattice(lattice, &buffers.hits, &mut colors);
-            if section.is_some() || buffers.casts_secondary_rays() {
+            if buffers.casts_secondary_rays() {
+                buffers.cast_secondary_rays(lattice);
+                for (color, secondary) in colors.iter_mut().zip(&buffers.secondary) {
+                    *color = secondary.map_or(*color, shade::encode);
+                }
+            }
+            if let Some(section) = section {
                 for (at, color) in colors.iter_mut().enumerate() {
                     let at = at as u32;
                     let (x, y) = lattice.place(at % lattice.columns, at / lattice.columns);
-                    let hit = buffers.hits.get(at as usize);
-                    let cut = section
-                        .and_then(|s| s.color8(Section::shown(s.at(x, y, hit.primitive), false)));
-                    let others = || buffers.secondary_color((x, y), &hit).map(shade::encode);
-                    *color = cut.or_else(others).unwrap_or(*color);
+                    let primitive = buffers.hits.get(at as usize).primitive;
+                    let shown = Section::shown(section.at(x, y, primitive), false);
+                    *color = section.color8(shown).unwrap_or(*color);
                 }
             }
             let width = rect.width as usize;

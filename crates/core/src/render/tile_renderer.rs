@@ -157,38 +157,32 @@ impl<'a, 's> TileRenderer<'a, 's> {
         rect: Rect,
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
-        if !self.buffers.casts_secondary_rays() {
-            return self.shade_closest(lattice, rect, rows);
+        if self.shader().detail() == Detail::Full {
+            self.interpolate(lattice);
         }
-        let mut rows: Vec<_> = rows.collect();
-        self.shade_closest(lattice, rect, rows.iter_mut().map(|row| &mut **row));
+        if !self.buffers.casts_secondary_rays() {
+            return self.shade(|buffers| buffers.shade_closest(rect, rows));
+        }
         self.shade(|buffers| {
-            for (y, row) in (0..lattice.rows).zip(&mut rows) {
-                for (x, pixel) in (0..lattice.columns).zip(row.iter_mut()) {
-                    let hit = buffers.hits.get((y * lattice.columns + x) as usize);
-                    if let Some(color) = buffers.secondary_color(lattice.place(x, y), &hit) {
-                        *pixel = shade::encode(color);
-                    }
+            buffers.cast_secondary_rays(lattice);
+            let Buffers {
+                hits, secondary, ..
+            } = &mut *buffers;
+            // Where another colour is the answer, that of the closest hit is not computed.
+            for (primitive, secondary) in hits.primitives.iter_mut().zip(secondary) {
+                if secondary.is_some() {
+                    *primitive = MISS;
+                }
+            }
+            let mut rows: Vec<_> = rows.collect();
+            buffers.shade_closest(rect, rows.iter_mut().map(|row| &mut **row));
+            let columns = lattice.columns.max(1) as usize;
+            for (row, secondary) in rows.iter_mut().zip(buffers.secondary.chunks(columns)) {
+                for (pixel, secondary) in row.iter_mut().zip(secondary) {
+                    *pixel = secondary.map_or(*pixel, shade::encode);
                 }
             }
         });
-    }
-
-    /// [`TileRenderer::shade_hits`] by the closest hits alone.
-    fn shade_closest<'p>(
-        &mut self,
-        lattice: &Lattice,
-        rect: Rect,
-        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
-    ) {
-        if self.shader().detail() == Detail::Triangle {
-            self.shade(|Buffers { shader, hits, .. }| {
-                shader.shade_primitives(rect, &hits.primitives, rows)
-            });
-        } else {
-            self.interpolate(lattice);
-            self.shade(|Buffers { shader, hits, .. }| shader.shade(rect, hits, rows));
-        }
     }
 
     /// Finds the triangle that each ray of a lattice hits first.

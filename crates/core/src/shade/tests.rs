@@ -541,10 +541,34 @@ fn check_tiles(with_normals: bool) {
                 for ((&(x, y), hit), found) in samples.iter().zip(sample_hits.iter()).zip(&light) {
                     assert_eq!(*found, shader.color(x, y, &hit), "{shading:?}");
                 }
+                if shown == Mode::XRay {
+                    check_opacities(&bench, &shader, &lattice, &sample_hits);
+                }
             }
         }
     }
     channels_are_those_of_single_samples(&bench, &lattice, &sample_hits);
+}
+
+/// Opacities of thin shells against those of the layers' normals and the rays' directions.
+fn check_opacities(bench: &Bench, shader: &Shader<'_>, lattice: &Lattice, hits: &Hits) {
+    let mut opacities = Vec::new();
+    shader.tile().opacities(lattice, hits, &mut opacities);
+    let alpha = f64::from(Shading::default().x_ray_opacity);
+    let mut sum = 0.0;
+    for (at, (hit, opacity)) in (0..).zip(hits.iter().zip(&opacities)) {
+        if hit.is_miss() {
+            continue;
+        }
+        let (x, y) = lattice.place(at % lattice.columns, at / lattice.columns);
+        let (normal, _) = shader.surface(x, y, &hit);
+        let direction = bench.camera.ray(x, y).direction.normalize();
+        let cosine = Vec3::from(normal).as_dvec3().dot(direction).abs();
+        let expected = alpha / (alpha + (1.0 - alpha) * cosine);
+        assert!((f64::from(*opacity) - expected).abs() < 1e-6, "{at}");
+        sum += expected;
+    }
+    assert!(sum > 10.0, "{sum}");
 }
 
 fn channels_are_those_of_single_samples(bench: &Bench, lattice: &Lattice, hits: &Hits) {

@@ -1,12 +1,11 @@
 use super::facet::{Facet, SurfaceTriangle};
 use super::hit_rows::HitRows;
 use super::spans::within;
-use super::translucent::{Translucent, shell};
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Entries of the cache of colours, two kilobytes: they hold most of the triangles that 64 × 64 pixels show where
 /// triangles are a few pixels wide.
@@ -106,29 +105,6 @@ impl<'s> TileShader<'s> {
             ..*self.facet(hit.primitive, x)
         };
         shader.color_on(&facet, x, y, hit)
-    }
-
-    /// A layer's colour in linear light, and its opacity; `along` is the ray's unit direction.
-    pub(crate) fn layer(
-        &mut self,
-        (x, y): (f64, f64),
-        along: Vec3,
-        hit: &PrimitiveHit,
-    ) -> (Vec3, f32) {
-        let shader = self.shader();
-        let covers = match shader.translucent() {
-            Some(Translucent::All(alpha)) => {
-                let normal = self.facet(hit.primitive, x).normal_at(hit.u, hit.v);
-                shell(*alpha, normal.dot(along).abs())
-            }
-            Some(Translucent::Blended(_)) => shader.alpha(hit),
-            None => 1.0,
-        };
-        if covers == 0.0 {
-            return (Vec3::ZERO, 0.0);
-        }
-        let [r, g, b, _] = self.color(x, y, hit);
-        (Vec3::new(r, g, b), covers)
     }
 
     /// Shades the pixels of `rect`, given as its rows, from the hits at their centres, row by row.

@@ -153,6 +153,14 @@ impl<'a> Clipped<'a> {
         (self.clip.is_empty() || self.clip.keeps(&ray.ray, corners(), hit)) && self.passes_mask(hit)
     }
 
+    /// Whether a mask may reject hits with a triangle.
+    pub(crate) fn is_masked(&self, primitive: u32) -> bool {
+        self.masks.is_some_and(|masks| {
+            let (object, triangle) = self.accel.identify(primitive);
+            masks.is_masked(object, triangle)
+        })
+    }
+
     fn passes_mask(&self, hit: &BoundedHit) -> bool {
         self.masks.is_none_or(|masks| {
             let (object, triangle) = self.accel.identify(hit.primitive);

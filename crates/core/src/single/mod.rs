@@ -14,7 +14,7 @@ use crate::ray::Ray;
 use crate::triangle::clip::Clip;
 use crate::triangle::{BoundedHit, PreparedRay};
 pub use clipped::Clipped;
-pub(crate) use ordered_hits::OrderedHits;
+pub(crate) use ordered_hits::{MOST_HITS, OrderedHits};
 pub(crate) use traversal::nearest;
 
 impl Accel {

@@ -1,5 +1,5 @@
 use super::{Clipped, traversal};
-use crate::hit::{Cull, Precision, PrimitiveHit};
+use crate::hit::{Cull, Precision};
 use crate::ray::Ray;
 use crate::triangle::{BoundedHit, PreparedRay};
 use std::cmp::Ordering;
@@ -13,6 +13,8 @@ pub(crate) const MOST_HITS: usize = 256;
 #[derive(Debug, Default)]
 pub(crate) struct OrderedHits {
     hits: Vec<BoundedHit>,
+    /// Whether nothing behind the last hit counts.
+    is_closed: bool,
 }
 
 impl OrderedHits {
@@ -22,49 +24,83 @@ impl OrderedHits {
         &mut self,
         kept: &Clipped<'_>,
         ray: &Ray,
-        (cull, precision): (Cull, Precision),
+        options: (Cull, Precision),
         is_opaque: impl Fn(u32) -> bool,
     ) {
-        self.hits.clear();
-        let accel = kept.accel;
-        let Some(ray) = PreparedRay::new(ray, accel.origin, cull, precision) else {
+        let Some(ray) = self.begin(kept, ray, options) else {
             return;
         };
-        let hits = &mut self.hits;
-        let corners = |primitive| accel.corners(primitive);
-        let id = |primitive| accel.id(primitive);
-        // Whether the last hit hides everything behind it.
-        let mut is_closed = false;
-        traversal::visit(accel, &ray, |primitives| {
-            for primitive in primitives {
-                let mut hit = BoundedHit::NONE;
-                accel.intersect(&ray, primitive, &mut hit);
-                if hit.is_miss() || !kept.keeps(&ray, &hit) {
-                    continue;
-                }
-                let before =
-                    |other: &BoundedHit| ray.order(other, &hit, corners, id) == Ordering::Less;
-                let place = hits.partition_point(before);
-                if place == hits.len() && is_closed {
-                    continue;
-                }
-                hits.insert(place, hit);
-                if is_opaque(primitive) {
-                    hits.truncate(place + 1);
-                    is_closed = true;
-                } else if hits.len() > MOST_HITS {
-                    hits.truncate(MOST_HITS);
-                }
-                is_closed |= hits.len() == MOST_HITS;
-            }
-            match hits.last() {
-                Some(last) if is_closed => *last,
+        traversal::visit(kept.accel, &ray, |primitives| {
+            self.add(kept, &ray, primitives, &is_opaque);
+            match self.hits.last() {
+                Some(last) if self.is_closed => *last,
                 _ => BoundedHit::NONE,
             }
         });
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = PrimitiveHit> + '_ {
-        self.hits.iter().map(|hit| hit.to_primitive_hit())
+    /// As [`OrderedHits::find`], among some triangles.
+    pub(crate) fn find_among(
+        &mut self,
+        primitives: impl Iterator<Item = u32>,
+        kept: &Clipped<'_>,
+        ray: &Ray,
+        options: (Cull, Precision),
+        is_opaque: impl Fn(u32) -> bool,
+    ) {
+        if let Some(ray) = self.begin(kept, ray, options) {
+            self.add(kept, &ray, primitives, &is_opaque);
+        }
+    }
+
+    fn begin(
+        &mut self,
+        kept: &Clipped<'_>,
+        ray: &Ray,
+        (cull, precision): (Cull, Precision),
+    ) -> Option<PreparedRay> {
+        self.hits.clear();
+        self.is_closed = false;
+        PreparedRay::new(ray, kept.accel.origin, cull, precision)
+    }
+
+    /// Inserts the hits with some triangles.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        kept: &Clipped<'_>,
+        ray: &PreparedRay,
+        primitives: impl Iterator<Item = u32>,
+        is_opaque: &impl Fn(u32) -> bool,
+    ) {
+        let Self { hits, is_closed } = self;
+        let accel = kept.accel;
+        let corners = |primitive| accel.corners(primitive);
+        let id = |primitive| accel.id(primitive);
+        for primitive in primitives {
+            let mut hit = BoundedHit::NONE;
+            accel.intersect(ray, primitive, &mut hit);
+            if hit.is_miss() || !kept.keeps(ray, &hit) {
+                continue;
+            }
+            let before = |other: &BoundedHit| ray.order(other, &hit, corners, id) == Ordering::Less;
+            let place = hits.partition_point(before);
+            if place == hits.len() && *is_closed {
+                continue;
+            }
+            hits.insert(place, hit);
+            if is_opaque(primitive) {
+                hits.truncate(place + 1);
+                *is_closed = true;
+            } else if hits.len() > MOST_HITS {
+                hits.truncate(MOST_HITS);
+            }
+            *is_closed |= hits.len() == MOST_HITS;
+        }
+    }
+
+    /// The triangles that are hit.
+    pub(crate) fn primitives(&self) -> impl Iterator<Item = u32> + '_ {
+        self.hits.iter().map(|hit| hit.primitive)
     }
 }

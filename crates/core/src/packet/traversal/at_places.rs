@@ -1,7 +1,7 @@
 //! Traversal for packets of a panorama, whose rays lie at irregular places.
 
 use super::descent::{Descent, SmallBoxes};
-use super::{Batch, LANES, MANY_RAYS, Traversal};
+use super::{Batch, LANES, MANY_RAYS, Occlusion, Traversal};
 use crate::camera::Camera;
 use crate::hit::Cull;
 use crate::num::simd::Lanes;

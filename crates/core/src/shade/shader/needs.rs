@@ -108,7 +108,7 @@ impl Shader<'_> {
         match self.shading.mode {
             Mode::Color | Mode::Texture => Some(EightColors::Own),
             Mode::Flat => Some(EightColors::Flat),
-            Mode::Smooth => Some(EightColors::Smooth),
+            Mode::Smooth | Mode::XRay => Some(EightColors::Smooth),
             // Images of metal and roughness are read one by one.
             Mode::Material if !self.needs.uvs => Some(EightColors::Material),
             Mode::Normals => Some(EightColors::Normals),

@@ -152,7 +152,7 @@ impl Shader<'_> {
     }
 
     /// The unit vector from a sample to the eye.
-    fn to_eye_at(&self, x: f64, y: f64) -> Vec3 {
+    pub(in crate::shade) fn to_eye_at(&self, x: f64, y: f64) -> Vec3 {
         if self.is_panoramic() {
             return -unit(self.camera.direction(x, y)).as_vec3();
         }
