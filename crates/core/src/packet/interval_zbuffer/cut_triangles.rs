@@ -15,7 +15,7 @@
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
 use super::rasterize::COLUMNS;
-use super::{CELLS, IntervalZBuffer, ROW, SIDE};
+use super::{IntervalZBuffer, SIDE};
 use crate::num::roundoff::U32;
 use crate::num::simd::{F32x8, Lanes};
 use crate::packet::decisions::Decisions;
@@ -88,12 +88,13 @@ impl Cut {
         }
     }
 
-    /// The same as seen some columns further right.
+    /// The same as seen some columns further right and rows further down.
     #[inline(always)]
-    fn moved(mut self, columns: f32) -> Self {
+    fn moved(&self, columns: f32, rows: f32) -> Self {
         let [constant, x, y] = self.along.function;
-        self.along.function = [constant + x * columns, x, y];
-        self
+        let mut moved = *self;
+        moved.along.function = [(constant + y * rows) + x * columns, x, y];
+        moved
     }
 
     /// Whether the plane surely removes what rays hit, and whether it surely keeps it: `edges` are the edge functions, `near`
@@ -134,53 +135,41 @@ impl IntervalZBuffer {
         primitive: u32,
         decisions: &mut Decisions<'_>,
     ) -> bool {
-        let (mut cuts, count) = Cut::all(primitive, set_up, l, decisions);
+        let (cuts, count) = Cut::all(primitive, set_up, l, decisions);
         if count == 0 {
             return false;
         }
-        let functions = EdgeFunctions::of(set_up, l, primitive);
-        let rays = &set_up.boxes[l];
-        if rays.right < rays.left {
-            return true;
-        }
-        let (column, row) = (set_up.column[l] as usize, set_up.row[l] as usize);
-        let [left, right, top, bottom] =
-            [rays.left, rays.right, rays.top, rays.bottom].map(|edge| edge as usize);
-        if set_up.ill_conditioned[l] {
-            self.mark_undecided(&functions, (column, row), (left, right), (top, bottom));
-            return true;
-        }
-        for x in (0..=right - column).step_by(ROW) {
-            let moved = |f: [f32; 3]| [f[0] + f[1] * x as f32, f[1], f[2]];
-            let [e, f, g] = functions.edges;
-            let here = EdgeFunctions {
-                edges: [moved(e), moved(f), moved(g)],
-                depth_key: moved(functions.depth_key),
-                ..functions
-            };
-            let first = row * SIDE + column + x;
-            self.rasterize_cut_rows(lanes, &here, &cuts[..count], first, bottom - row, decisions);
-            for cut in &mut cuts[..count] {
-                *cut = cut.moved(ROW as f32);
-            }
-        }
-        let (first, last) = (column / ROW, right.max(column + ROW - 1) / ROW);
-        let columns = (1u32 << (last + 1)) - (1 << first);
-        for cell_row in row / ROW..=bottom / ROW {
-            self.dirty |= columns << (CELLS * cell_row);
-        }
+        self.rasterize_one(lanes, set_up, (l, primitive), &cuts[..count], decisions);
         true
     }
 
-    /// Rasterises rows of eight rays, from the row of ray `first` to the `last` row after it.
+    /// Rasterises rows of eight rays of a triangle that planes cut, which lie some columns and rows further than its first.
     #[inline(always)]
-    fn rasterize_cut_rows(
+    pub(super) fn rasterize_cut_rows_at(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        (cuts, columns, below): (&[Cut], f32, f32),
+        (first, rows): (usize, usize),
+        decisions: &mut Decisions<'_>,
+    ) {
+        let mut moved = [Cut::NONE; CLIPPING_PLANES];
+        for (moved, cut) in moved.iter_mut().zip(cuts) {
+            *moved = cut.moved(columns, below);
+        }
+        let cuts = &moved[..cuts.len()];
+        self.rasterize_cut_rows(lanes, functions, cuts, first, rows, decisions);
+    }
+
+    /// Rasterises rows of eight rays, from the row of ray `first` on.
+    #[inline(always)]
+    pub(super) fn rasterize_cut_rows(
         &mut self,
         lanes: impl Lanes,
         functions: &EdgeFunctions,
         cuts: &[Cut],
         first: usize,
-        last: usize,
+        rows: usize,
         decisions: &mut Decisions<'_>,
     ) {
         let [e, f, g] = functions.edges;
@@ -195,7 +184,7 @@ impl IntervalZBuffer {
         let error = lanes.splat(functions.edge_error);
         let minus_error = lanes.splat(-functions.edge_error);
         let merge = DepthMerge::new(lanes, functions, self.start_key);
-        for row in 0..=last {
+        for row in 0..rows {
             let first = first + row * SIDE;
             let Some((low, high, primitives)) = self.rays(first) else {
                 return;

@@ -2,6 +2,7 @@
 //! 8 × 8 rays come first, whose extremes decide whether a cell is missed, covered or occluded (Abrash, "Rasterization
 //! on Larrabee", 2009).
 
+use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
 use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit};
@@ -98,19 +99,20 @@ impl IntervalZBuffer {
                 && (decisions.clip().is_empty()
                     || !self.rasterize_cut(lanes, &set_up, l, primitive, decisions))
             {
-                self.rasterize_one(lanes, &set_up, l, primitive, decisions);
+                self.rasterize_one(lanes, &set_up, (l, primitive), &[], decisions);
             }
         }
         self.update_hi_z(lanes);
     }
 
+    /// Rasterises one of eight triangles, or the part of it that planes keep.
     #[inline(always)]
     pub(super) fn rasterize_one(
         &mut self,
         lanes: impl Lanes,
         set_up: &TriangleSetup,
-        l: usize,
-        primitive: u32,
+        (l, primitive): (usize, u32),
+        cuts: &[Cut],
         decisions: &mut Decisions<'_>,
     ) {
         let functions = EdgeFunctions::of(set_up, l, primitive);
@@ -133,7 +135,12 @@ impl IntervalZBuffer {
             );
         } else if set_up.boxes[l].is_narrow() {
             let rows = (bottom - top + 1) as usize;
-            self.rasterize_rows(lanes, &functions, row * SIDE + column, rows, decisions);
+            let begin = row * SIDE + column;
+            if cuts.is_empty() {
+                self.rasterize_rows(lanes, &functions, begin, rows, decisions);
+            } else {
+                self.rasterize_cut_rows(lanes, &functions, cuts, begin, rows, decisions);
+            }
             let (first, last) = (column / ROW, column.div_ceil(ROW));
             let columns = (1u32 << first) | (1 << last);
             for cell_row in row / ROW..=bottom as usize / ROW {
@@ -142,7 +149,7 @@ impl IntervalZBuffer {
         } else {
             self.rasterize_cells(
                 lanes,
-                &functions,
+                (&functions, cuts),
                 (column, row),
                 (right as usize, bottom as usize),
                 decisions,
@@ -150,12 +157,12 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Rasterises a large triangle cell by cell.
+    /// Rasterises a large triangle, or the part of it that planes keep, cell by cell.
     #[inline(always)]
     pub(super) fn rasterize_cells(
         &mut self,
         lanes: impl Lanes,
-        functions: &EdgeFunctions,
+        (functions, cuts): (&EdgeFunctions, &[Cut]),
         (column, row): (usize, usize),
         (right, bottom): (usize, usize),
         decisions: &mut Decisions<'_>,
@@ -208,7 +215,7 @@ impl IntervalZBuffer {
                 if nearest[cell] < self.hi_z[place] {
                     continue;
                 }
-                let covers = inside & (1 << cell) != 0;
+                let covers = inside & (1 << cell) != 0 && cuts.is_empty();
                 if self.contested[place] > CONTESTED {
                     let within = PlacesWithin::of_cell(place);
                     if self.is_behind_sure_hits(functions.primitive, (place, &within), decisions) {
@@ -228,8 +235,11 @@ impl IntervalZBuffer {
                 let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
                 if covers {
                     self.cover(lanes, &here, first, decisions);
-                } else {
+                } else if cuts.is_empty() {
                     self.rasterize_rows(lanes, &here, first, ROW, decisions);
+                } else {
+                    let cuts = (cuts, x, y);
+                    self.rasterize_cut_rows_at(lanes, &here, cuts, (first, ROW), decisions);
                 }
                 self.dirty |= 1 << place;
             }

@@ -57,7 +57,7 @@ fn edges_within_their_error_are_undecided() {
         let functions = flat(edge, [1.0, 0.0, 0.0]);
         let mut zbuffer = IntervalZBuffer::new();
         zbuffer.clear(Plain, 32, 32, f32::INFINITY);
-        zbuffer.rasterize_cells(Plain, &functions, (0, 0), (31, 31), &mut decisions);
+        zbuffer.rasterize_cells(Plain, (&functions, &[]), (0, 0), (31, 31), &mut decisions);
         assert_eq!(
             undecided(&zbuffer),
             if expected { RAYS } else { 0 },
@@ -88,13 +88,13 @@ fn cells_that_may_hold_a_first_hit_are_not_occluded() {
         let mut zbuffer = IntervalZBuffer::new();
         zbuffer.clear(Plain, 32, 32, f32::INFINITY);
         let first = flat(1.0, [1.0, 0.0, 0.0]);
-        zbuffer.rasterize_cells(Plain, &first, (0, 0), (7, 7), &mut decisions);
+        zbuffer.rasterize_cells(Plain, (&first, &[]), (0, 0), (7, 7), &mut decisions);
         zbuffer.update_hi_z(Plain);
         let second = EdgeFunctions {
             primitive: 9,
             ..flat(1.0, depth_key)
         };
-        zbuffer.rasterize_cells(Plain, &second, (0, 0), (7, 7), &mut decisions);
+        zbuffer.rasterize_cells(Plain, (&second, &[]), (0, 0), (7, 7), &mut decisions);
         assert_eq!(undecided(&zbuffer), expected, "{depth_key:?}");
     }
 }
