@@ -3,7 +3,7 @@
 
 use super::around_tests::accel;
 use crate::bvh::Accel;
-use crate::camera::{Camera, ImagePlane, Pose, Projection};
+use crate::camera::{Camera, ImagePlane, Panorama, Pose, Projection};
 use crate::hit::{Cull, MISS, Precision};
 use crate::random::Random;
 use glam::DVec3;
@@ -102,4 +102,37 @@ fn planes_along_parallel_rays_leave_few_of_them_undecided() {
         Projection::Orthographic,
     );
     assert!(undecided < 200, "{undecided}");
+}
+
+/// Hundreds of layers closer together than single precision distinguishes depths, across the view, seen from beside them and
+/// from between them: keys are relative to the plane of one. Without that, orders of pairs decide thousands of rows.
+#[test]
+fn layers_within_the_roundings_of_their_depths_are_distinguished() {
+    let mut random = Random(99);
+    let (across, along) = (DVec3::new(1.0, 0.3, -0.5), DVec3::new(-0.2, 1.0, 0.4));
+    let normal = across.cross(along);
+    for (apart, tilted) in [(1e-7, 0.0), (1e-6, 0.0), (1e-6, 1e-6)] {
+        let mut layer = || {
+            let off = apart * random.unit();
+            [(); 3].map(|()| {
+                let [x, y] = [(); 2].map(|()| random.signed() * 2.0);
+                across * x + along * y + normal * (off + tilted * x)
+            })
+        };
+        let accel = accel((0..400).map(|_| layer()).collect());
+        for (eye, towards) in [
+            (normal * 2.0 + across, -normal - across * 0.5),
+            (normal * apart * 0.5, normal * 0.2 - across),
+        ] {
+            for projection in [
+                Projection::Perspective,
+                Projection::Orthographic,
+                Projection::Panoramic(Panorama::Equirectangular),
+            ] {
+                let (hits, undecided) = check(&accel, eye, towards, projection);
+                assert!(hits > 100, "{apart} {projection:?}: {hits}");
+                assert!(undecided < 200, "{apart} {projection:?}: {undecided}");
+            }
+        }
+    }
 }

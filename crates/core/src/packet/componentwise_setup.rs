@@ -258,9 +258,10 @@ impl PacketSpace {
         };
         let key = key.moved(&span);
         let greatest = key.size(&span);
-        let key = key.less(self.reference);
+        let key = key.less(self.reference.moved(&span));
         let spread = key.size(&span);
         let key_error = spread * LINEAR_ERROR
+            + self.reference_error
             + 2.0 * greatest * (facing_error / facing.abs())
             + 2.0 * numerator_error * inverse.abs();
         out.depth_key[0][l] = key.constant as f32;

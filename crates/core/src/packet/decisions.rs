@@ -1,5 +1,6 @@
 //! Decisions about triangles that hold for all rays of a lattice, or of a packet, each made once.
 
+use super::params::ROW;
 use super::plane_along_rays::PlaneAlongRays;
 use super::plane_order::{PlaneOrder, PlaneOrders};
 use super::ray_rect::RayRect;
@@ -90,7 +91,7 @@ impl<'a> Decisions<'a> {
 
     /// Begins a packet: triangles are ordered, and cut, along its rays.
     pub(super) fn set_rays(&mut self, space: &PacketSpace, packet: &RayRect) {
-        self.ray_starts.set_rays(packet);
+        (self.ray_starts).set_rays(packet, (space.reference, space.reference_error));
         self.plane_orders.set_rays(space);
         self.planes_along_rays.clear();
         let planes = self.planes_at_eye.iter();
@@ -98,10 +99,23 @@ impl<'a> Decisions<'a> {
             .extend(planes.map(|plane| space.along_rays(plane)));
     }
 
-    /// Which of eight rays, as bits, start in front of a triangle that they cross: see [`RayStarts::in_front`].
+    /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys where
+    /// those decide it, else by [`RayStarts::in_front`].
     #[inline(never)]
-    pub(super) fn start_in_front(&mut self, primitive: u32, rays: (usize, u32)) -> u32 {
-        (self.ray_starts).in_front(self.accel, &mut self.coplanar, primitive, rays)
+    pub(super) fn start_in_front(
+        &mut self,
+        primitive: u32,
+        (first, rays): (usize, u32),
+        depth_keys: [&[f32; ROW]; 2],
+    ) -> u32 {
+        let [in_front, behind] = self.ray_starts.by_depth_keys(first, depth_keys);
+        let rest = rays & !(in_front | behind);
+        let decided = rays & in_front;
+        if rest == 0 {
+            return decided;
+        }
+        let rest = (first, rest);
+        decided | (self.ray_starts).in_front(self.accel, &mut self.coplanar, primitive, rest)
     }
 
     /// The order of two triangles along the packet's rays. All rays that hit two triangles of one plane hit the one with the

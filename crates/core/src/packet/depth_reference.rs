@@ -6,11 +6,17 @@
 //! each, in double precision, and the interval z-buffer orders the differences. All rays of a packet have one
 //! reference: subtracting a constant from two keys keeps their order.
 //!
+//! So does subtracting any function of the ray. Where layers lie closer together than their depths differ from one end of a
+//! packet to the other, the reference becomes the plane of one of them: to that the others are nearly parallel, and what is
+//! left of their keys is as small as the layers are thin.
+//!
 //! Its exponent has eight bits. The inverse depths of triangles that pass the eye at 10⁻⁴⁰ overflow it, so near such
 //! triangles depths are measured in a unit that is many times shorter ([`FURTHEST_KEY`]).
 
+use super::setup::Linear;
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
+use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 
 /// The thickness of the scene, relative to its distance, below which depth keys have a reference: 2⁻¹⁴.
@@ -36,10 +42,18 @@ const BEYOND: f32 = 1.0 + 1e-5;
 /// greater limit below the depths of scenes is as good.
 const LEAST_NEAR: f32 = 1e-30;
 
+/// The greatest magnitude of a plane's key. Beyond it single precision would not hold differences from it.
+const GREATEST_PLANE: f64 = 1e30;
+
 /// The depth key that others are relative to, zero where keys are absolute, and the unit of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DepthReference {
+    /// The reference; of a plane, a lower bound of it.
     key: f32,
+    /// The reference; of a plane, an upper bound of it.
+    most: f32,
+    /// The depth key of a plane along a packet's rays, where that is the reference.
+    plane: Option<Linear>,
     /// Units of depth to one of the scene's: one, or more where triangles pass the eye closely.
     units: f64,
     /// [`BEYOND`] in the scene's units.
@@ -50,6 +64,8 @@ impl DepthReference {
     /// Absolute keys of the scene's own units.
     pub(super) const NONE: Self = Self {
         key: 0.0,
+        most: 0.0,
+        plane: None,
         units: 1.0,
         beyond: BEYOND,
     };
@@ -67,8 +83,10 @@ impl DepthReference {
             Projection::Perspective | Projection::Panoramic(_) => 1.0 / middle,
             Projection::Orthographic => -middle,
         } as f32;
+        let key = if key.is_normal() { key } else { 0.0 };
         Self {
-            key: if key.is_normal() { key } else { 0.0 },
+            key,
+            most: key,
             ..Self::NONE
         }
     }
@@ -90,16 +108,46 @@ impl DepthReference {
         self.units == 1.0
     }
 
+    /// The same with a plane's depth key as the reference, for a packet whose last ray is in this column and row. `None`
+    /// where it has one already, or the key is out of range.
+    pub(super) fn with_plane(self, plane: Linear, (column, row): (f32, f32)) -> Option<Self> {
+        let steps = [plane.x * f64::from(column), plane.y * f64::from(row)];
+        // Off by a few roundings of its terms.
+        let error = 8.0 * EPSILON * plane.reach();
+        let least = steps
+            .iter()
+            .fold(plane.constant - error, |sum, step| sum + step.min(0.0));
+        let most = steps
+            .iter()
+            .fold(plane.constant + error, |sum, step| sum + step.max(0.0));
+        let key = (least as f32).next_down();
+        let is_useful = self.plane.is_none() && plane.reach() < GREATEST_PLANE && key != 0.0;
+        is_useful.then_some(Self {
+            key,
+            most: (most as f32).next_up(),
+            plane: Some(plane),
+            ..self
+        })
+    }
+
     /// Whether keys are absolute.
     #[inline(always)]
     pub(super) fn is_zero(self) -> bool {
         self.key == 0.0
     }
 
-    /// The reference, exactly.
-    #[inline(always)]
-    pub(super) fn key(self) -> f32 {
-        self.key
+    /// Whether it is a plane.
+    pub(super) fn is_plane(self) -> bool {
+        self.plane.is_some()
+    }
+
+    /// The reference along a packet's rays, exactly.
+    pub(super) fn function(self) -> Linear {
+        self.plane.unwrap_or(Linear {
+            constant: self.key.into(),
+            x: 0.0,
+            y: 0.0,
+        })
     }
 
     /// Units of depth to one of the scene's, a power of two.
@@ -107,7 +155,13 @@ impl DepthReference {
         self.units
     }
 
-    /// The absolute key of a relative one, rounded once.
+    /// Bounds of the relative keys of an absolute key of zero.
+    #[inline(always)]
+    pub(super) fn relative_zero(self) -> [f32; 2] {
+        [0.0 - self.most, 0.0 - self.key]
+    }
+
+    /// The absolute key of a relative one, or a lower bound of it, rounded once.
     #[inline(always)]
     pub(super) fn absolute(self, key: f32) -> f32 {
         key + self.key
@@ -196,7 +250,7 @@ mod tests {
     #[test]
     fn scenes_thin_compared_with_their_distance_have_a_reference_close_to_their_keys() {
         let eye = DVec3::new(0.0, 0.0, 8.0);
-        let thin = |projection| reference(1e-5, eye, projection).key();
+        let thin = |projection| reference(1e-5, eye, projection).key;
         assert_eq!(thin(Projection::Perspective), 0.125);
         assert_eq!(thin(Projection::Orthographic), -8.0);
         for projection in [Projection::Perspective, Projection::Orthographic] {
@@ -228,7 +282,7 @@ mod tests {
                     ..DepthReference::NONE
                 };
                 // A hit there surely has at least the key below its exact one.
-                let relative = exact - f64::from(reference.key());
+                let relative = exact - f64::from(reference.key);
                 let hi_z = (relative as f32).next_down();
                 assert!(reference.furthest(projection, hi_z) >= off);
                 assert!(reference.key_of_box(projection, off) >= hi_z);
@@ -287,10 +341,48 @@ mod tests {
             3e9,
             f32::INFINITY,
         ] {
-            let exact = f64::from(key) - f64::from(reference.key());
+            let exact = f64::from(key) - f64::from(reference.key);
             assert!(f64::from(reference.relative_above(key)) >= exact, "{key}");
         }
         let none = DepthReference::NONE;
         assert_eq!(none.relative_above(0.7), 0.7);
+    }
+
+    /// What is nearer than a relative key along some ray of the packet is neither skipped nor occluded.
+    #[test]
+    fn bounds_of_a_plane_hold_along_all_rays() {
+        let mut random = Random(74);
+        for _ in 0..5000 {
+            let slope = 0.1f64.powi((random.unit() * 8.0) as i32);
+            let plane = Linear {
+                constant: 1.0 + random.unit(),
+                x: 0.01 * slope * random.signed(),
+                y: 0.01 * slope * random.signed(),
+            };
+            let reference = DepthReference::NONE.with_plane(plane, (31.0, 15.0));
+            let reference = reference.expect("in range");
+            assert_eq!(reference.with_plane(plane, (31.0, 31.0)), None);
+            assert!(reference.is_plane() && !reference.is_zero());
+            assert_eq!(reference.function(), plane);
+            let [in_front, behind] = reference.relative_zero();
+            for at in 0..32 * 16 {
+                let (column, row) = (f64::from(at % 32), f64::from(at / 32));
+                let here = plane.constant + plane.x * column + plane.y * row;
+                assert!(f64::from(in_front) < -here && -here < f64::from(behind));
+                let near = (0.5 + random.unit()) as f32;
+                let key = 1.0 / f64::from(near);
+                let relative = key - here;
+                let above = reference.key_of_box(Projection::Perspective, near);
+                assert!(f64::from(above) >= relative);
+                let hi_z = (relative as f32).next_down();
+                assert!(reference.furthest(Projection::Perspective, hi_z) >= near);
+            }
+        }
+        let huge = Linear {
+            constant: 1e31,
+            x: f64::NAN,
+            y: 0.0,
+        };
+        assert_eq!(DepthReference::NONE.with_plane(huge, (31.0, 31.0)), None);
     }
 }

@@ -60,8 +60,8 @@ pub(super) struct HitBuffer {
     is_dirty: bool,
     /// The least of `closed`.
     hi_z: f32,
-    /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
-    start_key: f32,
+    /// Bounds of the depth keys where orthographic rays start: no hit is nearer. Infinite for perspective packets.
+    start_keys: [f32; 2],
     /// The hits ray by ray, and where those of each ray end.
     sorted: Vec<PossibleHit>,
     ends: [u32; RAYS],
@@ -84,7 +84,7 @@ impl Default for HitBuffer {
             closed: [f32::INFINITY; RAYS],
             is_dirty: false,
             hi_z: f32::INFINITY,
-            start_key: f32::INFINITY,
+            start_keys: [f32::INFINITY; 2],
             sorted: Vec::new(),
             ends: [0; RAYS],
         }
@@ -93,7 +93,7 @@ impl Default for HitBuffer {
 
 impl HitBuffer {
     /// Clears it for a packet in which the hits of some rays, given as columns and rows, are asked for.
-    pub(super) fn clear(&mut self, start_key: f32, wanted: impl Iterator<Item = (u32, u32)>) {
+    pub(super) fn clear(&mut self, start_keys: [f32; 2], wanted: impl Iterator<Item = (u32, u32)>) {
         self.hits.clear();
         self.closed = [f32::INFINITY; RAYS];
         for (column, row) in wanted {
@@ -101,7 +101,7 @@ impl HitBuffer {
         }
         self.hi_z = f32::NEG_INFINITY;
         self.is_dirty = false;
-        self.start_key = start_key;
+        self.start_keys = start_keys;
     }
 
     /// Whether it has more hits than it may have.
@@ -153,7 +153,8 @@ impl HitBuffer {
         let (edge_error, key_error) = (set_up.edge_error[l], set_up.depth_key_error[l]);
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
         let key_error = lanes.splat(key_error);
-        let start_key = lanes.splat(self.start_key);
+        let [in_front, behind] = self.start_keys;
+        let (in_front, behind) = (lanes.splat(in_front), lanes.splat(behind));
         let RayBox {
             right, top, bottom, ..
         } = set_up.boxes[l];
@@ -178,7 +179,7 @@ impl HitBuffer {
                     .and_then(|all| all.first_chunk_mut());
                 let Some(closed) = closed else { return };
                 let nearest = lanes.load(closed);
-                let missed = least.lt(minus_error) | start_key.lt(low) | high.lt(nearest);
+                let missed = least.lt(minus_error) | behind.lt(low) | high.lt(nearest);
                 let possible = !missed.bits() & ((1 << ROW) - 1);
                 if possible == 0 {
                     continue;
@@ -186,7 +187,7 @@ impl HitBuffer {
                 let sure = if is_partial {
                     0
                 } else {
-                    (error.lt(least) & high.lt(start_key)).bits()
+                    (error.lt(least) & high.lt(in_front)).bits()
                 };
                 let [mut lows, mut highs] = [[0.0; ROW]; 2];
                 low.store(&mut lows);

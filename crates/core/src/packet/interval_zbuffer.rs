@@ -33,6 +33,11 @@ const RAYS: usize = SIDE * SIDE;
 /// All lanes of a row, as bits.
 const ALL: u32 = (1 << ROW) - 1;
 
+/// The number of rows whose order depths leave undecided, beyond which a packet is cast again with another reference: a few
+/// times those of a packet, 128. With fewer, packets where a few triangles touch are cast twice; with more, those with
+/// layers are cast again later.
+const MANY_CONTESTS: u32 = 400;
+
 /// Marks the primitive index of a small triangle that was merged without set-up. No index has this bit.
 const PROVISIONAL: u32 = !TRIANGLE_LIMIT;
 
@@ -61,14 +66,18 @@ pub(crate) struct IntervalZBuffer {
     dirty: u32,
     /// For each cell, how many times depths left the order of two triangles undecided in a row of it.
     contested: [u8; CELLS * CELLS],
+    /// How many times in all.
+    contests: u32,
+    /// The triangle that the last of them was with.
+    contested_by: u32,
     /// For each undecided ray, the triangles that it is undecided between.
     rivals: Rivals,
     /// For each cell, triangles that its rays surely hit.
     sure_hits: SureHits,
     /// Whether depth keys overflowed that a shorter unit of depth would hold.
     overflowed: bool,
-    /// The depth key where orthographic rays start: no hit is nearer. Infinite for perspective packets.
-    start_key: f32,
+    /// Bounds of the depth keys where orthographic rays start: no hit is nearer. Infinite for perspective packets.
+    start_keys: [f32; 2],
 }
 
 impl IntervalZBuffer {
@@ -80,27 +89,36 @@ impl IntervalZBuffer {
             hi_z: [f32::NEG_INFINITY; CELLS * CELLS],
             dirty: 0,
             contested: [0; CELLS * CELLS],
+            contests: 0,
+            contested_by: MISS,
             rivals: Rivals::default(),
             sure_hits: SureHits::default(),
             overflowed: false,
-            start_key: f32::INFINITY,
+            start_keys: [f32::INFINITY; 2],
         }
     }
 
-    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each. `start_key` is the depth key where
+    /// Clears it for a packet of `columns × rows` rays, at most [`SIDE`] each. `start_keys` bound the depth keys where
     /// orthographic rays start, infinite for perspective packets.
     #[inline(always)]
-    pub(crate) fn clear(&mut self, lanes: impl Lanes, columns: u32, rows: u32, start_key: f32) {
+    pub(crate) fn clear(
+        &mut self,
+        lanes: impl Lanes,
+        columns: u32,
+        rows: u32,
+        start_keys: [f32; 2],
+    ) {
         self.low = [f32::NEG_INFINITY; RAYS];
         self.high = [f32::NEG_INFINITY; RAYS];
         self.primitives = [MISS; RAYS];
         self.hi_z = [f32::NEG_INFINITY; CELLS * CELLS];
         self.dirty = 0;
         self.contested = [0; CELLS * CELLS];
+        self.contests = 0;
         self.rivals.clear();
         self.sure_hits.clear();
         self.overflowed = false;
-        self.start_key = start_key;
+        self.start_keys = start_keys;
         let (columns, rows) = (columns as usize, rows as usize);
         if columns < SIDE || rows < SIDE {
             // Entries outside the packet are infinitely near, so that no triangle wins them.
@@ -125,6 +143,12 @@ impl IntervalZBuffer {
     #[inline(always)]
     pub(crate) fn has_overflowed(&self) -> bool {
         self.overflowed
+    }
+
+    /// A triangle whose plane is a better reference of depth keys, where many orders are left undecided.
+    #[inline(always)]
+    pub(crate) fn wanted_reference(&self) -> Option<u32> {
+        (self.contests > MANY_CONTESTS).then_some(self.contested_by)
     }
 
     /// Sorts rivals as [`IntervalZBuffer::rivals`] needs them.

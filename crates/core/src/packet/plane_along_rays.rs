@@ -32,7 +32,7 @@ pub(super) struct PlaneAlongRays {
     by_key: f64,
     by_key_error: f64,
     /// ρ.
-    reference: f64,
+    reference: Linear,
 }
 
 /// The same over the bounds of a triangle, for the triangle's depth key.
@@ -84,15 +84,17 @@ impl PlaneAlongRays {
             return PlaneAtKey::UNKNOWN;
         }
         let Linear { constant, x, y } = self.function;
-        let constant = constant + x * i + y * j + self.by_key * self.reference;
+        let reference = self.reference.times(self.by_key);
+        let (x, y) = (x + reference.x, y + reference.y);
+        let constant = (constant + reference.constant) + x * i + y * j;
         let size = constant.abs() + REACH * (x.abs() + y.abs());
         let (key_error, by_key) = (f64::from(key_error), self.by_key.abs());
         let error = by_key * (key_error + 4.0 * U * greatest)
-            + self.by_key_error * (greatest + key_error + self.reference.abs())
+            + self.by_key_error * (greatest + key_error + self.reference.reach())
             + size * (LINEAR_ERROR + U)
             + self.error;
         // The terms of the sum may be greater than it.
-        let size = size + by_key * (greatest + 2.0 * self.reference.abs());
+        let size = size + by_key * (greatest + 2.0 * self.reference.reach());
         let unit = 1.0 / size;
         PlaneAtKey {
             function: [constant, x, y].map(|number| (number * unit) as f32),

@@ -3,8 +3,10 @@
 //!
 //! Single precision leaves every ray of every such triangle undecided, and thousands of triangles may lie in one plane.
 
+use super::depth_reference::DepthReference;
 use super::params::{ROW, SIDE};
 use super::ray_rect::RayRect;
+use super::setup::Linear;
 use crate::bvh::Accel;
 use crate::camera::{Lattice, Projection};
 use crate::hit::{Cull, Precision};
@@ -43,6 +45,8 @@ pub(super) struct RayStarts {
     lattice: Option<Box<Lattice>>,
     /// The packet's first ray in it.
     first: (u32, u32),
+    /// The reference of the packet's depth keys, and the bound on its error.
+    reference: (Linear, f64),
     planes: Vec<PlaneStarts>,
     /// The plane that the next one replaces.
     oldest: usize,
@@ -54,16 +58,33 @@ impl RayStarts {
         Self {
             lattice: is_parallel.then(|| Box::new(*lattice)),
             first: (0, 0),
+            reference: (DepthReference::NONE.function(), 0.0),
             planes: Vec::new(),
             oldest: 0,
         }
     }
 
-    /// Begins a packet.
-    pub(super) fn set_rays(&mut self, packet: &RayRect) {
+    /// Begins a packet, whose depth keys are relative to a reference with this error.
+    pub(super) fn set_rays(&mut self, packet: &RayRect, reference: (Linear, f64)) {
         self.first = (packet.column, packet.row);
+        self.reference = reference;
         self.planes.clear();
         self.oldest = 0;
+    }
+
+    /// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of a triangle whose depth keys
+    /// are within these bounds, relative to the packet's reference, and those that surely start behind it. A ray starts at an
+    /// absolute key of zero.
+    pub(super) fn by_depth_keys(&self, first: usize, [low, high]: [&[f32; ROW]; 2]) -> [u32; 2] {
+        let (Linear { constant, x, y }, error) = self.reference;
+        let [mut in_front, mut behind] = [0; 2];
+        for lane in 0..ROW {
+            let (column, row) = ((first % SIDE + lane) as f64, (first / SIDE) as f64);
+            let reference = constant + x * column + y * row;
+            in_front |= u32::from(f64::from(high[lane]) + reference < -error) << lane;
+            behind |= u32::from(f64::from(low[lane]) + reference > error) << lane;
+        }
+        [in_front, behind]
     }
 
     /// Of eight rays from the packet's ray `first` on, those of `rays`, as bits, that start in front of a triangle. All of
@@ -190,12 +211,13 @@ mod tests {
         let (mut starts, mut coplanar) = (RayStarts::new(&lattice), Coplanar::new());
         let (mut both, mut random) = ([0; 2], Random(95));
         for (column, row) in [(0, 0), (32, 0), (32, 8)] {
-            starts.set_rays(&RayRect {
+            let packet = RayRect {
                 column,
                 row,
                 columns: 32,
                 rows: 32,
-            });
+            };
+            starts.set_rays(&packet, (DepthReference::NONE.function(), 0.0));
             for _ in 0..2000 {
                 let primitive = (random.unit() * 10.0) as u32;
                 let alone = &alone[all.id(primitive) as usize];

@@ -36,7 +36,8 @@
 //! * **Depth key.** A quotient whose denominator is off by a quarter of itself at most is off by 4/3 of what its
 //!   parts are off by, relative to itself (lemma 6): we take 2. The key is made relative to the packet's reference
 //!   (`depth_reference`) after that: these errors are as large as the whole key makes them, and only
-//!   [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left.
+//!   [`LINEAR_ERROR`], with the difference's rounding in it, goes by what is left. A reference that is a plane is moved to
+//!   the triangle's first ray: four roundings, for which 8ε of its greatest magnitude are taken.
 //! * **Dominated terms.** δ ≥ 72ε·2.1·A/K' with K' = D/s (orthographic: 1/s), and δ ≥ 79ε·Z·B/D. So Kδ ≥ 151εA, and
 //!   as L ≤ 4A every term with ε and A or L is covered by the one with δ beside it. Inverse and product round the key
 //!   by 4ε of itself at most; since |P₀·n| ≤ (A·M + Z·L)·L and |n₃| ≤ L², a key is off by 16Kδ/L ≥ 600ε of itself
@@ -113,12 +114,12 @@ pub(crate) struct TriangleSetup {
 }
 
 impl TriangleSetup {
-    /// Whether a triangle's depth key may reach a value somewhere in the packet.
+    /// Whether a triangle's depth key may reach a value between two somewhere in the packet.
     #[inline(always)]
-    pub(super) fn may_touch(&self, l: usize, key: f32) -> bool {
+    pub(super) fn may_touch(&self, l: usize, [least, most]: [f32; 2]) -> bool {
         let [constant, x, y] = self.depth_key.map(|coefficient| coefficient[l]);
         let swing = (x.abs() + y.abs()) * REACH as f32 + self.depth_key_error[l];
-        (constant - key).abs() <= swing
+        constant + swing >= least && constant - swing <= most
     }
 }
 
@@ -141,6 +142,17 @@ impl PacketSpace {
             edges,
             self.edge_error(&size) + self.ray_error * greater(greater(e, f), g),
         ))
+    }
+
+    /// A triangle's depth key in double precision, over the whole packet. `None` where it is not sure which side of the
+    /// triangle the packet sees.
+    pub(super) fn depth_key_in_double(&self, corners: [Vec3; 3]) -> Option<Linear> {
+        let [a, b, c] = corners.map(|corner| self.map_point(corner));
+        let triangle = PacketTriangle::new(a, b, c);
+        let plane = self.plane(&triangle, &self.size_of(&triangle));
+        // NaN fails this comparison.
+        let is_clear = plane.facing.abs() > 4.0 * plane.facing_error;
+        is_clear.then(|| self.depth_key(&triangle, &FunctionDomain::PACKET, 1.0 / plane.facing))
     }
 
     /// Sets up eight triangles, each for the rays of its bounds.
@@ -193,9 +205,10 @@ impl PacketSpace {
             let inverse = 1.0 / plane.facing;
             let key = self.depth_key(&triangle, &span, inverse);
             let greatest = key.size(&span);
-            let key = key.less(self.reference);
+            let key = key.less(self.reference.moved(&span));
             let spread = key.size(&span);
             let key_error = spread * LINEAR_ERROR
+                + self.reference_error
                 + 2.0 * (greatest * plane.facing_error + plane.numerator_error) * inverse.abs();
             out.depth_key[0][l] = key.constant as f32;
             out.depth_key[1][l] = key.x as f32;
@@ -386,6 +399,16 @@ pub(super) struct FunctionDomain {
 }
 
 impl FunctionDomain {
+    /// A whole packet.
+    const PACKET: Self = Self {
+        column: 0,
+        row: 0,
+        i: 0.0,
+        j: 0.0,
+        across: REACH,
+        along: REACH,
+    };
+
     /// Functions start at the left of the bounds; for wide bounds at a multiple of a row.
     #[inline(always)]
     pub(super) fn of(bounds: &RayBox) -> Self {
@@ -415,7 +438,7 @@ impl FunctionDomain {
 }
 
 /// A linear function of a ray's place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Linear {
     pub(super) constant: f64,
     pub(super) x: f64,
@@ -442,12 +465,13 @@ impl Linear {
         }
     }
 
-    /// The function minus a constant.
+    /// The function minus another.
     #[inline(always)]
-    pub(super) fn less(self, constant: f64) -> Self {
+    pub(super) fn less(self, other: Self) -> Self {
         Self {
-            constant: self.constant - constant,
-            ..self
+            constant: self.constant - other.constant,
+            x: self.x - other.x,
+            y: self.y - other.y,
         }
     }
 

@@ -511,7 +511,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
             (1e-12, 1e-15, DVec3::ZERO, 0),
             (1e-6, 1e-9, far, 0),
         ] {
-            let (mut both, mut ordered) = (0, 0);
+            let (mut both, mut ordered, mut planes) = (0, 0, 0);
             for round in 0..400 {
                 let camera = camera(&mut random, tree_origin, projection, pitch);
                 let eye = camera.pose().eye - tree_origin;
@@ -521,7 +521,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
                 }];
                 let reference = DepthReference::of(boxes.into_iter(), &camera, eye);
                 assert!(pitch > 1e-5 || !reference.is_zero());
-                let space = space(&camera, tree_origin, Cull::None).relative_to(reference);
+                let mut space = space(&camera, tree_origin, Cull::None).relative_to(reference);
                 // Pairs of triangles: one slightly behind the other, or tilted against it.
                 let mut triangles = [[Vec3::ZERO; 3]; LANES];
                 for l in (0..LANES).step_by(2) {
@@ -532,6 +532,15 @@ fn relative_depth_keys_order_only_what_is_sure() {
                         let tilt = camera.forward() * (apart * random.signed());
                         (corner * 1.2 + off + tilt).as_vec3()
                     });
+                }
+                // Relative to a constant, or to the plane of one of them.
+                let plane = space
+                    .depth_key_in_double(triangles[0])
+                    .filter(|_| round % 4 > 1);
+                let relative = plane.and_then(|plane| reference.with_plane(plane, (31.0, 31.0)));
+                if let Some(reference) = relative {
+                    space = space.relative_to(reference);
+                    planes += 1;
                 }
                 let corners = lanes_of(triangles);
                 let mut set_up = space.set_up(&corners, &[ALL; LANES]);
@@ -580,7 +589,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
                     }
                 }
             }
-            assert!(both > 300, "{both}");
+            assert!(both > 300 && (planes > 50 || least == 0), "{both} {planes}");
             let share = ordered * 100 / both;
             assert!(
                 share >= least,

@@ -210,6 +210,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         zbuffer: &mut IntervalZBuffer,
         observer: &mut impl Observer,
     ) -> bool {
+        let of_large = self.reference;
         'packet: loop {
             let space = self.space(packet, cull);
             let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
@@ -244,7 +245,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                     if !begun {
                         begun = true;
                         self.decisions.set_rays(&space, packet);
-                        zbuffer.clear(lanes, packet.columns, packet.rows, self.start_key());
+                        zbuffer.clear(lanes, packet.columns, packet.rows, self.start_keys());
                     }
                     let corners = self
                         .accel
@@ -255,6 +256,9 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                     }
                 }
                 if self.queued.len == 0 {
+                    if self.reference.is_plane() {
+                        self.reference = of_large;
+                    }
                     return begun;
                 }
                 let corners = self
@@ -267,6 +271,11 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 observer.set_up(primitives);
                 self.queued.len = 0;
                 if zbuffer.has_overflowed() && self.shorten_unit(&self.lattice.camera) {
+                    continue 'packet;
+                }
+                if let Some(primitive) = zbuffer.wanted_reference()
+                    && self.refer_to(primitive, &space, space.last)
+                {
                     continue 'packet;
                 }
                 descent.merged_small = false;
@@ -474,13 +483,26 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         space.relative_to(self.reference)
     }
 
-    /// The relative depth key where rays start; infinite for perspective packets.
-    fn start_key(&self) -> f32 {
+    /// Bounds of the relative depth keys where rays start; infinite for perspective packets.
+    fn start_keys(&self) -> [f32; 2] {
         match self.lattice.camera.projection() {
-            Projection::Perspective | Projection::Panoramic(_) => f32::INFINITY,
+            Projection::Perspective | Projection::Panoramic(_) => [f32::INFINITY; 2],
             // Orthographic rays start at the image plane, where the negated depth is zero.
-            Projection::Orthographic => 0.0 - self.reference.key(),
+            Projection::Orthographic => self.reference.relative_zero(),
         }
+    }
+
+    /// Makes depth keys relative to a triangle's plane, for the packet of this space, whose last ray is in this column and
+    /// row. False where they are already, or where that is of no use.
+    #[inline(never)]
+    fn refer_to(&mut self, primitive: u32, space: &PacketSpace, last: (f32, f32)) -> bool {
+        if self.reference.is_plane() || !self.decisions.are_exact() {
+            return false;
+        }
+        let plane = space.depth_key_in_double(self.accel.corners(primitive));
+        let reference = plane.and_then(|plane| self.reference.with_plane(plane, last));
+        self.reference = reference.unwrap_or(self.reference);
+        reference.is_some()
     }
 
     /// Measures depths in the unit for triangles that pass the eye closely, as those do whose keys have overflowed; `view`

@@ -50,7 +50,7 @@ impl IntervalZBuffer {
     /// Clears it for a panorama's packet. Entries without a ray are infinitely near, so that no triangle wins them.
     #[inline(always)]
     pub(in crate::packet) fn clear_places(&mut self, lanes: impl Lanes, places: &Places) {
-        self.clear(lanes, SIDE as u32, SIDE as u32, f32::INFINITY);
+        self.clear(lanes, SIDE as u32, SIDE as u32, [f32::INFINITY; 2]);
         let mut is_whole = true;
         for has_ray in places.has_ray {
             is_whole &= has_ray == u32::MAX;
@@ -125,7 +125,12 @@ impl IntervalZBuffer {
         let (left, right) = (lanes.splat(bounds.left), lanes.splat(bounds.right));
         let (top, bottom) = (lanes.splat(bounds.top), lanes.splat(bounds.bottom));
         let never = lanes.splat(f32::NEG_INFINITY);
-        let merge = DepthMerge::of(lanes, primitive, triangle.depth_key_error(), self.start_key);
+        let merge = DepthMerge::of(
+            lanes,
+            primitive,
+            triangle.depth_key_error(),
+            self.start_keys,
+        );
         let mut any = false;
         while cells != 0 {
             let cell = cells.trailing_zeros() as usize % ALL_CELLS;
@@ -261,7 +266,7 @@ impl IntervalZBuffer {
             ..
         } = *functions;
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        let merge = DepthMerge::new(lanes, functions, self.start_key);
+        let merge = DepthMerge::new(lanes, functions, self.start_keys);
         while rows != 0 {
             let first = first_of(cell, rows.trailing_zeros() as usize);
             rows &= rows - 1;
@@ -304,7 +309,7 @@ impl IntervalZBuffer {
         cell: usize,
         decisions: &mut Decisions<'_>,
     ) {
-        let merge = DepthMerge::new(lanes, functions, self.start_key);
+        let merge = DepthMerge::new(lanes, functions, self.start_keys);
         for row in 0..ROW {
             let first = first_of(cell, row);
             let (x, y) = places.eight(first);

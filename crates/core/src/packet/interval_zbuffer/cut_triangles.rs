@@ -183,7 +183,7 @@ impl IntervalZBuffer {
         let step_near = lanes.splat(n[2]);
         let error = lanes.splat(functions.edge_error);
         let minus_error = lanes.splat(-functions.edge_error);
-        let merge = DepthMerge::new(lanes, functions, self.start_key);
+        let merge = DepthMerge::new(lanes, functions, self.start_keys);
         for row in 0..rows {
             let first = first + row * SIDE;
             let Some((low, high, primitives)) = self.rays(first) else {

@@ -18,36 +18,37 @@ pub(super) struct UndecidedRays {
 pub(super) struct StartingRays {
     /// These of the eight, as bits.
     pub(super) rays: u32,
-    /// Lower bounds of the triangle's depth keys.
+    /// Bounds of the triangle's depth keys.
     pub(super) low: [f32; ROW],
+    pub(super) high: [f32; ROW],
 }
 
 /// The constants of merging a triangle, the same for every row.
 pub(super) struct DepthMerge<L: Lanes> {
     pub(super) primitive: u32,
     error: L::F32,
-    start_key: L::F32,
+    start_keys: [L::F32; 2],
     never: L::F32,
 }
 
 impl<L: Lanes> DepthMerge<L> {
     #[inline(always)]
-    pub(super) fn new(lanes: L, functions: &EdgeFunctions, start_key: f32) -> Self {
+    pub(super) fn new(lanes: L, functions: &EdgeFunctions, start_keys: [f32; 2]) -> Self {
         Self::of(
             lanes,
             functions.primitive,
             functions.depth_key_error,
-            start_key,
+            start_keys,
         )
     }
 
     /// For a triangle whose depth key is off by at most `error`.
     #[inline(always)]
-    pub(super) fn of(lanes: L, primitive: u32, error: f32, start_key: f32) -> Self {
+    pub(super) fn of(lanes: L, primitive: u32, error: f32, start_keys: [f32; 2]) -> Self {
         Self {
             primitive,
             error: lanes.splat(error),
-            start_key: lanes.splat(start_key),
+            start_keys: [lanes.splat(start_keys[0]), lanes.splat(start_keys[1])],
             never: lanes.splat(f32::NEG_INFINITY),
         }
     }
@@ -55,9 +56,10 @@ impl<L: Lanes> DepthMerge<L> {
     /// Of the rays that are surely inside a triangle of depth key `near`, or of all, those that may start behind it.
     #[inline(always)]
     pub(super) fn starting(&self, near: L::F32, inside: Option<L::Mask>) -> StartingRays {
-        let mut low = [0.0; ROW];
+        let [mut low, mut high] = [[0.0; ROW]; 2];
         (near - self.error).store(&mut low);
-        let in_front = (near + self.error).lt(self.start_key).bits();
+        (near + self.error).store(&mut high);
+        let in_front = (near + self.error).lt(self.start_keys[0]).bits();
         // Not `map_or`: its closure may be compiled without the instruction set.
         let inside = match inside {
             Some(inside) => inside.bits(),
@@ -66,6 +68,7 @@ impl<L: Lanes> DepthMerge<L> {
         StartingRays {
             rays: inside & !in_front,
             low,
+            high,
         }
     }
 
@@ -86,8 +89,8 @@ impl<L: Lanes> DepthMerge<L> {
         let (old_low, old_high) = (lanes.load(low), lanes.load(high));
         let near_low = near - self.error;
         let near_high = near + self.error;
-        let in_front = near_high.lt(self.start_key);
-        let behind = self.start_key.lt(near_low);
+        let in_front = near_high.lt(self.start_keys[0]);
+        let behind = self.start_keys[1].lt(near_low);
         let (hit, missed) = match sides {
             Some((inside, outside)) => (inside & in_front, outside | behind),
             None => (in_front, behind),

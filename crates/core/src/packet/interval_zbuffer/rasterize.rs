@@ -65,8 +65,8 @@ impl IntervalZBuffer {
         let mut never_hit = 0;
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             let may_start_on = decisions.are_exact()
-                && self.start_key != f32::INFINITY
-                && set_up.may_touch(l, self.start_key);
+                && self.start_keys[0] != f32::INFINITY
+                && set_up.may_touch(l, self.start_keys);
             let is_doubtful =
                 set_up.boxes[l].right >= 0 && (set_up.ill_conditioned[l] || may_start_on);
             never_hit |= u32::from(is_doubtful && decisions.is_never_hit(primitive)) << l;
@@ -89,7 +89,7 @@ impl IntervalZBuffer {
     ) {
         let mut set_up = space.set_up(corners, boxes);
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
-        let never_hit = if any_rough || self.start_key != f32::INFINITY {
+        let never_hit = if any_rough || self.start_keys[0] != f32::INFINITY {
             self.refine(space, &mut set_up, corners, primitives, decisions)
         } else {
             0
@@ -221,7 +221,7 @@ impl IntervalZBuffer {
                     if self.is_behind_sure_hits(functions.primitive, (place, &within), decisions) {
                         continue;
                     }
-                    if covers && nearest[cell] < self.start_key {
+                    if covers && nearest[cell] < self.start_keys[0] {
                         self.keep_cover(functions.primitive, (place, &within), decisions);
                     }
                 }
@@ -268,7 +268,7 @@ impl IntervalZBuffer {
         let step = |f: [f32; 3]| lanes.splat(f[2]);
         let (step_a, step_b, step_c, step_near) = (step(e), step(f), step(g), step(depth_key));
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
-        let merge = DepthMerge::new(lanes, functions, self.start_key);
+        let merge = DepthMerge::new(lanes, functions, self.start_keys);
         for row in 0..rows {
             let first = first + row * SIDE;
             let Some((low, high, primitives)) = self.rays(first) else {
@@ -307,7 +307,7 @@ impl IntervalZBuffer {
         let x = lanes.load(&COLUMNS);
         let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * x;
         let step = lanes.splat(n[2]);
-        let merge = DepthMerge::new(lanes, functions, self.start_key);
+        let merge = DepthMerge::new(lanes, functions, self.start_keys);
         for row in 0..ROW {
             let first = first + row * SIDE;
             let Some((low, high, primitives)) = self.rays(first) else {
@@ -353,11 +353,11 @@ impl IntervalZBuffer {
         &mut self,
         (primitive, first): (u32, usize),
         undecided: UndecidedRays,
-        StartingRays { rays, low }: &StartingRays,
+        StartingRays { rays, low, high }: &StartingRays,
         decisions: &mut Decisions<'_>,
     ) -> UndecidedRays {
         let starting = undecided.rays & rays;
-        let in_front = decisions.start_in_front(primitive, (first, starting));
+        let in_front = decisions.start_in_front(primitive, (first, starting), [low, high]);
         for_each_bit(u64::from(in_front), |lane| {
             let nearest = &mut self.low[first + lane];
             *nearest = nearest.max(low[lane]);
@@ -405,6 +405,8 @@ impl IntervalZBuffer {
                 let [loses, nearer] = order.of_eight(places);
                 let contested = &mut self.contested[cell_of(first) % (CELLS * CELLS)];
                 *contested = contested.saturating_add(1);
+                self.contests += 1;
+                self.contested_by = sure_hit;
                 same &= !loses;
                 wins = nearer & same & undecided.hits;
             } else if sure_hit == MISS {

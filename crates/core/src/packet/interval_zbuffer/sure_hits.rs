@@ -122,6 +122,10 @@ impl IntervalZBuffer {
         self.sure_hits.outdated &= !(1 << cell);
         let cover = self.sure_hits.cell(cell).cover;
         let listed = self.list_sure_hits(cell);
+        if listed.count == 0 {
+            // Looking for them again soon would find none.
+            self.contested[cell] = 0;
+        }
         *self.sure_hits.cell(cell) = SureHitsOfCell { cover, ..listed };
         self.sure_hits.cell(cell).are_all(&mut is_nearer)
     }

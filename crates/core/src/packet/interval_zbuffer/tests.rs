@@ -56,17 +56,17 @@ fn edges_within_their_error_are_undecided() {
     for (edge, expected) in [(0.125, true), (-0.125, true), (0.5, false), (-0.5, false)] {
         let functions = flat(edge, [1.0, 0.0, 0.0]);
         let mut zbuffer = IntervalZBuffer::new();
-        zbuffer.clear(Plain, 32, 32, f32::INFINITY);
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
         zbuffer.rasterize_cells(Plain, (&functions, &[]), (0, 0), (31, 31), &mut decisions);
         assert_eq!(
             undecided(&zbuffer),
             if expected { RAYS } else { 0 },
             "{edge}"
         );
-        zbuffer.clear(Plain, 32, 32, f32::INFINITY);
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
         zbuffer.rasterize_rows(Plain, &functions, 0, 8, &mut decisions);
         assert_eq!(undecided(&zbuffer), if expected { 64 } else { 0 }, "{edge}");
-        zbuffer.clear(Plain, 32, 32, f32::INFINITY);
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
         zbuffer.mark_undecided(&functions, (0, 0), (0, 7), (0, 7));
         // The sign of another edge is sure: where this edge surely has the opposite sign no ray hits the triangle.
         assert_eq!(undecided(&zbuffer), if edge < -0.25 { 0 } else { 64 });
@@ -86,7 +86,7 @@ fn cells_that_may_hold_a_first_hit_are_not_occluded() {
         ([0.0, 0.125, 0.0], 32),
     ] {
         let mut zbuffer = IntervalZBuffer::new();
-        zbuffer.clear(Plain, 32, 32, f32::INFINITY);
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
         let first = flat(1.0, [1.0, 0.0, 0.0]);
         zbuffer.rasterize_cells(Plain, (&first, &[]), (0, 0), (7, 7), &mut decisions);
         zbuffer.update_hi_z(Plain);
@@ -109,7 +109,7 @@ fn intervals_that_touch_are_undecided() {
         depth_key: [0.0; 3],
         depth_key_error: 0.25,
     };
-    let merge = DepthMerge::new(Plain, &functions, 8.0);
+    let merge = DepthMerge::new(Plain, &functions, [8.0; 2]);
     let near = [2.25, 2.5, 0.75, 0.5, 1.5, 7.75, 8.25, 8.5];
     let (mut low, mut high) = ([1.0; ROW], [2.0; ROW]);
     let mut primitives = [3; ROW];
@@ -144,7 +144,7 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     let mut by_id: Vec<u32> = (0..accel.len() as u32).collect();
     by_id.sort_unstable_by_key(|&primitive| accel.id(primitive));
     let mut zbuffer = IntervalZBuffer::new();
-    zbuffer.clear(Plain, 32, 32, f32::INFINITY);
+    zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
     let mut merge = |zbuffer: &mut IntervalZBuffer, primitive: u32, edge: f32| {
         let functions = EdgeFunctions {
             primitive,

@@ -1,7 +1,7 @@
 //! The rays of a packet, and the map T from world space to packet space. [`setup`](super) derives the bounds on its
 //! errors.
 
-use super::{EPSILON, REACH};
+use super::{EPSILON, Linear, REACH};
 use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
 use crate::num::simd::LANES;
@@ -34,7 +34,9 @@ pub(crate) struct PacketSpace {
     pub(in crate::packet) obliqueness: f64,
     pub(in crate::packet) rays: PacketRays,
     /// The reference of depth keys.
-    pub(in crate::packet) reference: f64,
+    pub(in crate::packet) reference: Linear,
+    /// The error of moving it within the packet.
+    pub(in crate::packet) reference_error: f64,
     /// Units of depth to one of the scene's. T maps to these, and all that is derived for T holds in these.
     pub(in crate::packet) units: f64,
 }
@@ -89,7 +91,8 @@ impl Packet {
                 distance,
                 greatest,
             },
-            reference: 0.0,
+            reference: DepthReference::NONE.function(),
+            reference_error: 0.0,
             units: 1.0,
         }
     }
@@ -151,8 +154,13 @@ impl PacketSpace {
     /// The same space, with depth keys relative to a reference and of its units.
     pub(in crate::packet) fn relative_to(self, reference: DepthReference) -> Self {
         let units = reference.units();
+        let function = reference.function();
         Self {
-            reference: reference.key().into(),
+            reference: function,
+            reference_error: match reference.is_plane() {
+                true => 8.0 * EPSILON * function.reach(),
+                false => 0.0,
+            },
             map: self.map.map(|row| row * units),
             units,
             ..self

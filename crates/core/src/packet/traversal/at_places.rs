@@ -8,7 +8,7 @@ use crate::num::simd::Lanes;
 use crate::packet::depth_reference::DepthReference;
 use crate::packet::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use crate::packet::interval_zbuffer::IntervalZBuffer;
-use crate::packet::params::ROW;
+use crate::packet::params::{ROW, SIDE};
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::Places;
 use crate::packet::ray_bounds::CornerProjector;
@@ -141,6 +141,11 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 self.counts.triangles += primitives.len() as u64;
                 self.queued.len = 0;
                 if zbuffer.has_overflowed() && self.shorten_unit(&places.view) {
+                    continue 'packet;
+                }
+                if let Some(primitive) = zbuffer.wanted_reference()
+                    && self.refer_to(primitive, &space, (SIDE as f32, SIDE as f32))
+                {
                     continue 'packet;
                 }
                 descent.merged_small = false;

@@ -28,7 +28,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         let mut descent = Descent::new(self.frustum(packet), SmallBoxes::new(self.lattice));
         let mut projected = ProjectedTriangles::NONE;
         let mut surfaces = [Surface::OPAQUE; LANES];
-        buffer.clear(self.start_key(), wanted);
+        buffer.clear(self.start_keys(), wanted);
         loop {
             while self.queued.len < LANES {
                 if projected.seen != 0 {
