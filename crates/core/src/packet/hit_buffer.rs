@@ -2,22 +2,16 @@
 //! surface method", 1984) with an interval of depth for each hit.
 
 use super::interval_zbuffer::for_each_bit;
-use super::params::{ROW, SIDE};
+use super::params::{COLUMNS, RAYS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::setup::TriangleSetup;
 use super::traversal::Occlusion;
 use crate::num::simd::{F32x8, Lanes, Mask8};
 use crate::single::MOST_HITS;
 
-/// Rays in a packet.
-const RAYS: usize = SIDE * SIDE;
-
 /// The most possible hits of a packet, four megabytes: [`MOST_HITS`] a ray, beyond which none counts. A packet with more is
 /// cast ray by ray; with a smaller limit more packets are, with a larger one hostile scenes take memory.
 const MOST: usize = MOST_HITS * RAYS;
-
-/// Columns of a row of rays.
-const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// What is known of a triangle before its hits are.
 #[derive(Clone, Copy)]

@@ -16,7 +16,7 @@ mod sure_hits;
 #[cfg(test)]
 mod tests;
 
-use super::params::{CELLS, ROW, SIDE};
+use super::params::{CELLS, RAYS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::rivals::Rivals;
 use super::traversal::Occlusion;
@@ -26,9 +26,6 @@ use crate::num::choice::lesser;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 pub(crate) use provisional::SmallOutcome;
 use sure_hits::SureHits;
-
-/// Rays in a packet.
-const RAYS: usize = SIDE * SIDE;
 
 /// All lanes of a row, as bits.
 const ALL: u32 = (1 << ROW) - 1;

@@ -4,7 +4,7 @@
 //! bounds leave a hit or an order of two undecided, the ray's possible hits are tested as a single ray's.
 
 use super::hit_buffer::{HitBuffer, Surface};
-use super::params::SIDE;
+use super::params::{LARGE_SIDE, SIDE};
 use super::ray_rect::RayRect;
 use super::traversal::Traversal;
 use crate::camera::Lattice;
@@ -87,7 +87,7 @@ impl<const INSTANCES: bool> Work for InPackets<'_, INSTANCES> {
             is_partial: kept.is_masked(primitive),
         };
         let mut traversal = Traversal::<INSTANCES>::new(kept.accel, &kept.clip, lattice, precision);
-        for large in RayRect::all(lattice).split(super::params::LARGE_SIDE) {
+        for large in RayRect::all(lattice).split(LARGE_SIDE) {
             traversal.find_entry_points(lanes, &large);
             if traversal.entry_points.is_empty() {
                 continue;

@@ -11,6 +11,12 @@ pub(crate) const SIDE: usize = 32;
 /// Rays along the side of a cell, and in a row that is tested at once: one vector register.
 pub(crate) const ROW: usize = 8;
 
+/// Rays in a packet.
+pub(crate) const RAYS: usize = SIDE * SIDE;
+
+/// Columns of a row of rays.
+pub(crate) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
 /// Cells along the side of a packet.
 pub(crate) const CELLS: usize = SIDE / ROW;
 

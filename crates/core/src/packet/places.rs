@@ -38,7 +38,7 @@ mod bounds;
 mod directions;
 
 use super::frustum::Window;
-use super::params::{CELLS, ROW, SIDE};
+use super::params::{CELLS, RAYS, ROW, SIDE};
 use super::place_box::PlaceBox;
 use super::setup::PacketSpace;
 use crate::camera::{Camera, FLATTEST, ImagePlane, LensPatch, PanoramaRays, PlaceScale, Rect};
@@ -49,9 +49,6 @@ use crate::num::simd::{LANES, Lanes};
 pub(super) use bounds::first_of;
 use bounds::{CellCentres, PlaceBoxes};
 use glam::DVec3;
-
-/// Rays in a packet.
-pub(super) const RAYS: usize = SIDE * SIDE;
 
 /// Cells in a packet.
 pub(super) const ALL_CELLS: usize = CELLS * CELLS;

@@ -81,8 +81,8 @@ impl TileShader<'_> {
                 dispatch(shader.simd(), work);
             }
             Some(&Translucent::All(alpha)) => {
-                for at in 0..lattice.len() {
-                    opacities[at] = self.shell_at(alpha, lattice, hits, at);
+                for (at, opacity) in opacities.iter_mut().enumerate() {
+                    *opacity = self.shell_at(alpha, lattice, hits, at);
                 }
             }
             Some(Translucent::Blended(_)) => {
@@ -151,8 +151,8 @@ impl Work for Shells<'_, '_, '_> {
                     return;
                 };
                 let Some((normal, _)) = tile.normals_and_colors(lanes, &rays, place, &eight) else {
-                    for lane in 0..LANES {
-                        out[lane] = tile.shell_at(alpha, lattice, hits, at + lane);
+                    for (lane, out) in out.iter_mut().enumerate() {
+                        *out = tile.shell_at(alpha, lattice, hits, at + lane);
                     }
                     continue;
                 };
@@ -161,8 +161,9 @@ impl Work for Shells<'_, '_, '_> {
                 let below = lanes.splat(alpha) + lanes.splat(1.0 - alpha) * cosine;
                 (lanes.splat(alpha) / below).store(out);
             }
-            for at in begin + column..begin + columns {
-                opacities[at] = tile.shell_at(alpha, lattice, hits, at);
+            let (rest, end) = (begin + column, begin + columns);
+            for (at, opacity) in (rest..).zip(&mut opacities[rest..end]) {
+                *opacity = tile.shell_at(alpha, lattice, hits, at);
             }
         }
     }

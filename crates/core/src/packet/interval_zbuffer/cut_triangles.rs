@@ -14,11 +14,11 @@
 
 use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
-use super::rasterize::COLUMNS;
 use super::{IntervalZBuffer, SIDE};
 use crate::num::roundoff::U32;
-use crate::num::simd::{F32x8, Lanes};
+use crate::num::simd::{F32x8, Lanes, Work, dispatch};
 use crate::packet::decisions::Decisions;
+use crate::packet::params::COLUMNS;
 use crate::packet::plane_along_rays::PlaneAtKey;
 use crate::packet::setup::TriangleSetup;
 use crate::scene::CLIPPING_PLANES;
@@ -123,23 +123,54 @@ impl Cut {
     }
 }
 
+/// [`IntervalZBuffer::rasterize_one`] of a triangle that planes cut. Apart from the others': next to them it made casting
+/// without planes slower.
+struct RasterizeCut<'r, 'd> {
+    zbuffer: &'r mut IntervalZBuffer,
+    set_up: &'r TriangleSetup,
+    triangle: (usize, u32),
+    cuts: &'r [Cut],
+    decisions: &'r mut Decisions<'d>,
+}
+
+impl Work for RasterizeCut<'_, '_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let Self {
+            zbuffer,
+            set_up,
+            triangle,
+            cuts,
+            decisions,
+        } = self;
+        zbuffer.rasterize_one(lanes, set_up, triangle, cuts, decisions);
+    }
+}
+
 impl IntervalZBuffer {
     /// Rasterises a triangle that clipping planes cut. Returns `false`, without doing anything, where no plane cuts
     /// it.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn rasterize_cut(
         &mut self,
-        lanes: impl Lanes,
         set_up: &TriangleSetup,
-        l: usize,
-        primitive: u32,
+        triangle: (usize, u32),
         decisions: &mut Decisions<'_>,
     ) -> bool {
+        let (l, primitive) = triangle;
         let (cuts, count) = Cut::all(primitive, set_up, l, decisions);
         if count == 0 {
             return false;
         }
-        self.rasterize_one(lanes, set_up, (l, primitive), &cuts[..count], decisions);
+        let simd = decisions.simd();
+        let work = RasterizeCut {
+            zbuffer: self,
+            set_up,
+            triangle,
+            cuts: &cuts[..count],
+            decisions,
+        };
+        dispatch(simd, work);
         true
     }
 

@@ -10,7 +10,7 @@ use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
 use crate::packet::decisions::Decisions;
-use crate::packet::params::{CELLS, ROW, SIDE};
+use crate::packet::params::{CELLS, COLUMNS, ROW, SIDE};
 use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{PacketSpace, TriangleSetup};
@@ -30,9 +30,6 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 /// where a few triangles touch are compared for nothing (casting `assets/dahlia.obj` took 7 % longer); with a larger one,
 /// layers are merged ray by ray for longer.
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
-
-/// Columns of a row of rays.
-pub(super) const COLUMNS: [f32; ROW] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 impl IntervalZBuffer {
     /// Sets rough triangles up again with componentwise bounds. Returns, as bits, the triangles that exact arithmetic
@@ -97,7 +94,7 @@ impl IntervalZBuffer {
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             if never_hit >> l & 1 == 0
                 && (decisions.clip().is_empty()
-                    || !self.rasterize_cut(lanes, &set_up, l, primitive, decisions))
+                    || !self.rasterize_cut(&set_up, (l, primitive), decisions))
             {
                 self.rasterize_one(lanes, &set_up, (l, primitive), &[], decisions);
             }
