@@ -80,6 +80,7 @@ pub fn hand_out(state: &mut State, files: &Files, effect: Effect) {
         | Effect::Copy(_)
         | Effect::CopyImage(_)
         | Effect::FocusMenu
+        | Effect::ToggleFullScreen
         | Effect::Close => {}
     }
 }

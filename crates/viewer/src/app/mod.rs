@@ -289,6 +289,10 @@ impl App {
                 let pixels = copied.pixels.as_flattened();
                 context.copy_image(egui::ColorImage::from_rgba_unmultiplied(size, pixels));
             }
+            Some(Effect::ToggleFullScreen) => {
+                let is_full = context.input(|input| input.viewport().fullscreen.unwrap_or(false));
+                context.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!is_full));
+            }
             Some(Effect::FocusMenu) => panels::menu::focus(context),
             Some(Effect::Close) => {
                 self.may_close = true;

@@ -363,6 +363,8 @@ pub enum Command {
     /// Set whether files are reloaded when they change.
     SetWatch(bool),
 
+    /// Fill the screen with the window, or no longer.
+    ToggleFullScreen,
     /// Show or hide the side panel.
     TogglePanel,
     /// Open a part of the side panel, and bring it into view.

@@ -37,6 +37,8 @@ pub enum Effect {
     OpenNeighbor(PathBuf, i32),
     /// Open a hard case as a new scene.
     OpenCase(&'static str),
+    /// Fill the screen with the window, or no longer.
+    ToggleFullScreen,
     /// Give the keyboard to the menu bar.
     FocusMenu,
     /// Cancel the load.

@@ -429,6 +429,7 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
         }
         Command::SetWatch(on) => state.preferences.watch = on,
 
+        Command::ToggleFullScreen => return Some(Effect::ToggleFullScreen),
         Command::TogglePanel => state.panel = !state.panel,
         Command::OpenPart(part) => {
             state.panel = true;

@@ -70,8 +70,8 @@ pub fn pressed(
     }
 }
 
-/// Actions whose names, descriptions or other words contain every word of `text`; those whose names begin with it come
-/// first.
+/// Actions whose names, descriptions or other words contain every word of `text`: first those whose names begin with it, then
+/// those whose names contain its words, then those that have them among their other words.
 pub fn found(text: &str) -> Vec<&'static Action> {
     let text = text.trim().to_lowercase();
     let words: Vec<_> = text.split_whitespace().collect();
@@ -90,7 +90,13 @@ pub fn found(text: &str) -> Vec<&'static Action> {
         match name {
             _ if name.starts_with(&text) => 0,
             _ if words.iter().all(|word| name.contains(word)) => 1,
-            _ => 2,
+            _ if words
+                .iter()
+                .all(|&word| action.words.split(' ').any(|own| own == word)) =>
+            {
+                2
+            }
+            _ => 3,
         }
     };
     found.sort_by_key(|action| rank(action));
@@ -203,7 +209,27 @@ mod tests {
             ("interface scale", "window.larger"),
             ("fisheye", "panel.picture"),
             ("resolution", "panel.picture"),
-            ("transparent", "panel.look"),
+            ("transparent", "look.mode.11"),
+            ("transparent background", "panel.look"),
+            ("slice", "cut.x"),
+            ("clip", "cut.x"),
+            ("ruler", "measure.distance"),
+            ("hide", "object.visible"),
+            ("clone", "object.duplicate"),
+            ("remove", "object.delete"),
+            ("import", "file.open"),
+            ("export", "file.meshes"),
+            ("home", "view.reset"),
+            ("perspective", "view.orthographic"),
+            ("xray", "look.mode.11"),
+            ("pbr", "look.mode.10"),
+            ("floor", "look.ground"),
+            ("gizmo", "object.move"),
+            ("shortcuts", "help.keys"),
+            ("exit", "file.quit"),
+            ("fullscreen", "window.full_screen"),
+            ("bounding box", "panel.measure"),
+            ("anaglyph", "panel.picture"),
             ("threads", "panel.rendering"),
             ("fly", "view.walk"),
         ] {

@@ -280,6 +280,14 @@ fn the_menu_bar_is_opened_by_a_key() {
 }
 
 #[test]
+fn a_key_fills_the_screen() {
+    let mut harness = open_two();
+    harness.key_press(Key::F11);
+    harness.run();
+    assert!(harness.state().effects.contains(&Effect::ToggleFullScreen));
+}
+
+#[test]
 fn recent_files_are_found_in_the_palette() {
     let mut harness = open_two();
     let file = std::path::PathBuf::from("/models/heap of things.obj");

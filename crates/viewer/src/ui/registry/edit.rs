@@ -47,6 +47,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::Z)],
         |_| Command::Undo,
     )
+    .also("history")
     .when(|state| state.history.undo_name().is_some())
     .lacks("There is nothing to undo"),
     Action::of(
@@ -57,6 +58,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl_shift(Key::Z), ctrl(Key::Y)],
         |_| Command::Redo,
     )
+    .also("history")
     .when(|state| state.history.redo_name().is_some())
     .lacks("There is nothing to redo"),
     Action::of(
@@ -67,6 +69,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::H)],
         |state| Command::SetVisible(selected(state), !is_visible(state)),
     )
+    .also("visibility")
     .when(has_selected)
     .lacks(UNMARKED)
     .on(is_visible)
@@ -112,6 +115,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::D)],
         |state| Command::Duplicate(selected(state)),
     )
+    .also("clone")
     .when(has_selected)
     .lacks(UNMARKED),
     Action::of(
@@ -142,6 +146,7 @@ pub(super) static ACTIONS: &[Action] = &[
         Move,
         &[plain(Key::G)]
     )
+    .also("translate gizmo drag")
     .apart(),
     handles!(
         "object.turn",
@@ -149,14 +154,16 @@ pub(super) static ACTIONS: &[Action] = &[
         "Rings in the picture turn the marked object about its middle; Ctrl snaps, Esc gives up",
         Turn,
         &[shift(Key::R)]
-    ),
+    )
+    .also("rotate gizmo"),
     handles!(
         "object.scale",
         "Scale by handles",
         "Handles in the picture scale the marked object; Ctrl snaps, Esc gives up",
         Scale,
         &[shift(Key::S)]
-    ),
+    )
+    .also("resize gizmo"),
     Action::of(
         Menu::Edit,
         "object.own_axes",
@@ -204,6 +211,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::Delete)],
         |state| Command::Delete(selected(state)),
     )
+    .also("remove erase")
     .when(has_selected)
     .lacks(UNMARKED),
 ];

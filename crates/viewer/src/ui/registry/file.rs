@@ -17,7 +17,8 @@ pub(super) static ACTIONS: &[Action] = &[
         "Open meshes or a scene",
         &[ctrl(Key::O)],
         |_| Command::Ask(PromptKind::Open),
-    ),
+    )
+    .also("import load"),
     Action::of(
         Menu::File,
         "file.add",
@@ -25,7 +26,8 @@ pub(super) static ACTIONS: &[Action] = &[
         "Put more meshes beside what is open",
         &[ctrl_shift(Key::O)],
         |_| Command::Ask(PromptKind::Add),
-    ),
+    )
+    .also("import load"),
     Action::of(
         Menu::File,
         "file.next",
@@ -53,6 +55,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::F5)],
         |_| Command::Reload,
     )
+    .also("refresh")
     .when(has_files),
     Action::of(
         Menu::File,
@@ -72,6 +75,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |state| Command::SetWatch(!state.preferences.watch),
     )
+    .also("automatic")
     .on(|state| state.preferences.watch),
     Action::of(
         Menu::File,
@@ -139,6 +143,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl_shift(Key::E)],
         |_| Command::CopyCommand,
     )
+    .also("terminal shell")
     .when(has_scene),
     Action::of(
         Menu::File,
@@ -148,6 +153,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[ctrl(Key::Q)],
         |_| Command::Close,
     )
+    .also("exit")
     .apart(),
 ];
 

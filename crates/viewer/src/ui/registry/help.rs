@@ -14,7 +14,8 @@ pub(super) static ACTIONS: &[Action] = &[
         "Find a command by its name",
         &[ctrl(Key::P)],
         |_| Command::TogglePalette,
-    ),
+    )
+    .also("palette search"),
     Action::of(
         Menu::Help,
         "help.keys",
@@ -22,7 +23,8 @@ pub(super) static ACTIONS: &[Action] = &[
         "All keys and gestures of the mouse",
         &[plain(Key::F1), plain(Key::Questionmark)],
         |_| Command::ToggleHelp,
-    ),
+    )
+    .also("shortcuts hotkeys"),
     Action::of(
         Menu::Help,
         "help.menu",
@@ -39,6 +41,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |_| Command::OpenKeysFile,
     )
+    .also("shortcuts hotkeys bindings settings preferences")
     .apart(),
     Action::of(
         Menu::Help,

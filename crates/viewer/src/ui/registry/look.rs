@@ -10,7 +10,7 @@ use egui::Key;
 use raycast_core::shade::Ground;
 
 macro_rules! mode {
-    ($number:literal, $key:ident) => {
+    ($number:literal, $key:ident, $words:literal) => {
         Action::of(
             Menu::Look,
             concat!("look.mode.", $number),
@@ -19,23 +19,24 @@ macro_rules! mode {
             &[alt(Key::$key)],
             |_| Command::SetMode(MODES[$number - 1].0),
         )
+        .also($words)
         .on(|state| state.settings.shading.mode == MODES[$number - 1].0)
     };
 }
 
 /// In the order of their menu.
 pub(super) static ACTIONS: &[Action] = &[
-    mode!(1, Num1),
-    mode!(2, Num2),
-    mode!(3, Num3),
-    mode!(4, Num4),
-    mode!(5, Num5),
-    mode!(6, Num6),
-    mode!(7, Num7),
-    mode!(8, Num8),
-    mode!(9, Num9),
-    mode!(10, Num0),
-    mode!(11, X),
+    mode!(1, Num1, "unlit"),
+    mode!(2, Num2, "faceted shaded"),
+    mode!(3, Num3, "shaded"),
+    mode!(4, Num4, ""),
+    mode!(5, Num5, ""),
+    mode!(6, Num6, ""),
+    mode!(7, Num7, "uvs"),
+    mode!(8, Num8, "unlit image"),
+    mode!(9, Num9, "wireframe edges"),
+    mode!(10, Num0, "pbr metallic roughness"),
+    mode!(11, X, "xray transparent transparency ghost"),
     Action::of(
         Menu::Look,
         "look.next_mode",
@@ -61,6 +62,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::W)],
         |state| Command::SetWireframe(state.settings.shading.wireframe.is_none()),
     )
+    .also("edges")
     .on(|state| state.settings.shading.wireframe.is_some())
     .apart(),
     Action::of(
@@ -74,6 +76,7 @@ pub(super) static ACTIONS: &[Action] = &[
             Command::SetGround((!is_shown).then(Ground::default))
         },
     )
+    .also("floor axes")
     .on(|state| state.settings.shading.ground.is_some()),
     Action::of(
         Menu::Look,

@@ -25,6 +25,7 @@ macro_rules! cut {
         Action::of(Menu::Tools, $id, $name, $does, &[], |_| {
             Command::AddPlane($by)
         })
+        .also("slice clip")
         .when(has_room)
     };
 }
@@ -37,28 +38,32 @@ pub(super) static ACTIONS: &[Action] = &[
         "Measure from a point to another",
         Distance,
         &[plain(Key::D)]
-    ),
+    )
+    .also("ruler length dimension"),
     tool!(
         "measure.angle",
         "Measure angle",
         "Measure the angle at the second of three points",
         Angle,
         &[plain(Key::A)]
-    ),
+    )
+    .also("protractor"),
     tool!(
         "measure.path",
         "Measure path",
         "Measure along points, one after another",
         Path,
         &[]
-    ),
+    )
+    .also("length polyline"),
     tool!(
         "measure.radius",
         "Measure radius",
         "Measure the circle through three points",
         Radius,
         &[]
-    ),
+    )
+    .also("diameter circle"),
     Action::of(
         Menu::Tools,
         "measure.end",
@@ -131,6 +136,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[],
         |state| Command::SetCutting(state.cutting.is_none()),
     )
+    .also("slice clip")
     .when(has_room)
     .on(|state| state.cutting.is_some()),
     Action::of(

@@ -45,6 +45,7 @@ pub(super) static ACTIONS: &[Action] = &[
         &[plain(Key::R)],
         |_| Command::ResetView,
     )
+    .also("home")
     .when(has_scene),
     Action::of(
         Menu::View,
@@ -132,6 +133,7 @@ pub(super) static ACTIONS: &[Action] = &[
             })
         },
     )
+    .also("perspective parallel projection")
     .on(|state| state.viewpoint.projection == Projection::Orthographic)
     .apart(),
     Action::of(

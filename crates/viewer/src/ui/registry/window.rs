@@ -41,23 +41,32 @@ pub(super) static ACTIONS: &[Action] = &[
         |_| Command::TogglePanel,
     )
     .on(|state| state.panel),
+    Action::of(
+        Menu::Window,
+        "window.full_screen",
+        "Full screen",
+        "Fill the screen with the window, or no longer",
+        &[plain(Key::F11)],
+        |_| Command::ToggleFullScreen,
+    )
+    .also("fullscreen maximize presentation"),
     part!(
         "objects",
         Objects,
         "The list of objects, and the marked one's color, texture and place",
-        "move rotate scale transform parent"
+        "move translate rotate scale transform parent group"
     ),
     part!(
         "look",
         Look,
         "Mode, lines, colors, texture and background",
-        "transparent color map legend range shading lights"
+        "transparent background color map legend range shading lighting opacity"
     ),
     part!(
         "measure",
         Measure,
         "Measurements, the unit, and the marked object's size",
-        "area volume box csv"
+        "area volume bounding box dimensions csv"
     ),
     part!("cut", Cut, "Clipping planes", "section slice offset flip"),
     part!("health", Health, "Faults of meshes", "open manifold holes"),
@@ -77,7 +86,7 @@ pub(super) static ACTIONS: &[Action] = &[
         "picture",
         Picture,
         "Resolution, step, field of view, projection and samples",
-        "size width height fov panorama fisheye equirectangular cylindrical cube map stereo shift lens filter"
+        "size width height fov panorama 360 fisheye equirectangular cylindrical cube map stereo vr anaglyph shift lens filter quality antialiasing projection"
     ),
     part!(
         "tiles",
@@ -89,7 +98,7 @@ pub(super) static ACTIONS: &[Action] = &[
         "rendering",
         Rendering,
         "Threads, and the work that a picture took",
-        "speed rays time statistics"
+        "speed rays time statistics performance"
     ),
     Action::of(
         Menu::Window,
