@@ -98,13 +98,33 @@ impl Oracle {
         if !ray.is_valid() {
             return None;
         }
+        closest_of(self.possible(ray), ray, cull_backs, half_spaces, accepts)
+    }
+
+    /// All triangles that `ray` hits, nearest first; equal distances go by object, then by triangle.
+    pub fn hits_in_order(&self, ray: &Ray, cull_backs: bool) -> Vec<Truth> {
+        if !ray.is_valid() {
+            return Vec::new();
+        }
+        let exact_ray = ExactRay::new(ray);
+        let possible = self.possible(ray).into_iter();
+        let mut hits: Vec<ExactHit<'_>> = possible
+            .filter_map(|triangle| exact_ray.hit(triangle, cull_backs))
+            .filter(|hit| hit.is_in(&exact_ray, &self.half_spaces))
+            .collect();
+        hits.sort_by(ExactHit::order);
+        hits.iter().map(|hit| hit.rounded(ray)).collect()
+    }
+
+    /// The triangles that a valid ray may hit.
+    fn possible(&self, ray: &Ray) -> Vec<&Triangle> {
         let filter = Filter::new(ray);
         let mut possible = Vec::new();
         self.tree.visit(&filter, |ball| {
             let inside = self.triangles[ball].iter();
             possible.extend(inside.filter(|triangle| !filter.misses_triangle(triangle)));
         });
-        closest_of(possible, ray, cull_backs, half_spaces, accepts)
+        possible
     }
 
     /// [`Oracle::closest_hit`], deciding every triangle exactly, without filter and tree.
@@ -290,6 +310,43 @@ mod tests {
         let from_below = Ray::new(DVec3::new(0.2, 0.2, -5.0), DVec3::Z);
         let hit = oracle.closest_hit(&from_below, false).expect("a hit");
         assert_eq!(hit.triangle, 0);
+    }
+
+    /// Each next hit is the closest of those that are left.
+    #[test]
+    fn hits_in_order_are_the_closest_ones_after_one_another() {
+        let mut random = Random::new(5);
+        let mut most = 0;
+        for round in 0..40 {
+            // Some of them in one plane, so that distances are equal.
+            let flat = if round % 2 == 0 { 0.0 } else { 1.0 };
+            let mut corner = || random.in_cube() * DVec3::new(1.0, 1.0, flat);
+            let corners: Vec<[Vec3; 3]> = (0..60)
+                .map(|_| std::array::from_fn(|_| corner().as_vec3()))
+                .collect();
+            let oracle = Oracle::from_corners(&corners).clipped(vec![HalfSpace {
+                normal: DVec3::new(1.0, 0.2, -0.1),
+                offset: -0.3,
+            }]);
+            for _ in 0..20 {
+                let from = random.in_cube() + DVec3::Z * 3.0;
+                let ray = Ray::new(from, random.in_cube() * 0.5 - from);
+                for cull in [false, true] {
+                    let hits = oracle.hits_in_order(&ray, cull);
+                    most = most.max(hits.len());
+                    let mut seen = Vec::new();
+                    for hit in hits {
+                        let is_left = |truth: &crate::Truth| !seen.contains(&truth.triangle);
+                        let next = oracle.closest_hit_where(&ray, cull, is_left);
+                        assert_eq!(next, Some(hit));
+                        seen.push(hit.triangle);
+                    }
+                    let is_left = |truth: &crate::Truth| !seen.contains(&truth.triangle);
+                    assert_eq!(oracle.closest_hit_where(&ray, cull, is_left), None);
+                }
+            }
+        }
+        assert!(most > 8, "{most}");
     }
 
     #[test]

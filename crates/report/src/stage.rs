@@ -84,6 +84,11 @@ impl Stage {
         (self.oracle).closest_hit_where(&oracle_ray(ray), cull == Cull::Back, accepts)
     }
 
+    /// All triangles that a ray hits, nearest first.
+    pub(crate) fn hits_in_order(&self, ray: &Ray, cull: Cull) -> Vec<Truth> {
+        (self.oracle).hits_in_order(&oracle_ray(ray), cull == Cull::Back)
+    }
+
     /// Whether any material is a mask.
     pub fn has_masks(&self) -> bool {
         self.has_masks

@@ -69,7 +69,7 @@ impl std::ops::AddAssign for Verification {
 
 /// At how many pixels each channel was checked. Not checked are channels that the picture lacks, those that depend on
 /// the position in a triangle that the ray grazes (a cosine of 0.1 or less), colours under lines, and colours that
-/// rounding makes arbitrary (a texture with more than a texel within a hit's error).
+/// rounding makes arbitrary (a texture with more than a texel within a hit's error, layers that are all but hidden).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Channels {
     /// Object and triangle.

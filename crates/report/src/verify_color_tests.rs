@@ -5,10 +5,10 @@ use crate::meshes;
 use crate::stage::Stage;
 use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::{
-    Attribute, Color, ColorMap, ColorScale, Material, Mesh, MeshData, Object, Photograph,
-    Reflectance, Scalar, ScalarAt, Scene, Texture, TextureProjection,
+    Alpha, Attribute, Color, ColorMap, ColorScale, Material, Mesh, MeshData, Object, Opacity,
+    Photograph, Reflectance, Scalar, ScalarAt, Scene, Texture, TextureProjection,
 };
-use raycast_core::shade::{Filter, LightSet, Mode, Shading};
+use raycast_core::shade::{Background, Filter, LightSet, Mode, Shading};
 use std::sync::Arc;
 
 /// Photographs on objects with and without transform; some surfaces are hidden from them, some are outside their
@@ -273,6 +273,106 @@ fn depth_through_a_color_map_is_checked_outside_the_legend() {
                 "{}",
                 found.channels.color
             );
+        }
+    }
+}
+
+/// A ball of three materials, of which two are blended, one with the alpha of an image, around an opaque box; in front of
+/// another such ball.
+fn glass() -> Stage {
+    let ball = meshes::sphere(DVec3::ZERO, 1.0, 24);
+    let texels = (0..64u8).map(|i| [i * 4, 255 - i, (i % 8) * 30, 60 + 3 * i]);
+    let image = Texture::new(8, 8, texels.collect()).map(Arc::new);
+    let blended = |factor, image| Material {
+        opacity: Opacity::Blend(Alpha { factor, image }),
+        ..Material::new("glass", Color([120, 160, 210]))
+    };
+    let materials = vec![
+        blended(0.375, None),
+        blended(0.875, image),
+        Material::new("solid", Color([210, 120, 60])),
+    ];
+    let triangles = ball.triangles().to_vec();
+    let positions = || ball.positions().iter();
+    let mesh = Mesh::new(MeshData {
+        positions: positions().map(|p| p.as_dvec3()).collect(),
+        uvs: Some(Attribute {
+            values: positions().map(|p| Vec2::new(p.x * 1.5, p.y)).collect(),
+            indices: None,
+        }),
+        material_of_triangle: (0..triangles.len() as u32).map(|at| at / 7 % 3).collect(),
+        triangles,
+        materials,
+        ..MeshData::default()
+    });
+    let mesh = Arc::new(mesh);
+    let mut behind = Object::new("behind", Arc::clone(&mesh));
+    behind.transform.translate = DVec3::new(-0.7, -1.5, -2.0);
+    let cube = meshes::cuboid(DVec3::splat(-0.4), DVec3::splat(0.5));
+    let objects = vec![
+        Object::new("ball", mesh),
+        behind,
+        Object::new("box", Arc::new(cube)),
+    ];
+    Stage::new(Scene { objects }).expect("a valid scene")
+}
+
+/// The layers of x-ray pictures and of blended materials, in their order; a picture of which layers have another opacity is
+/// wrong nearly everywhere where any is seen.
+#[test]
+fn layers_are_checked() {
+    for (stage, modes) in [
+        (furnished(), &[Mode::XRay][..]),
+        (
+            glass(),
+            &[
+                Mode::XRay,
+                Mode::Smooth,
+                Mode::Flat,
+                Mode::Color,
+                Mode::Material,
+            ],
+        ),
+    ] {
+        for (camera, has_layers) in views().into_iter().zip([true, false]) {
+            for &mode in modes {
+                let shading = Shading {
+                    mode,
+                    x_ray_opacity: 0.25,
+                    background: match mode {
+                        Mode::Flat => Background::Transparent,
+                        _ => Background::default(),
+                    },
+                    back_faces: (mode == Mode::Color).then_some(Color([90, 30, 30])),
+                    ..Shading::default()
+                };
+                let mut made = Made::of(&stage, camera, shading, 1, has_layers);
+                let found = made.checked(&stage, 100_000);
+                let place = format!("{mode:?} {:?}", camera.projection());
+                assert_eq!(found.wrong, 0, "{place}: {:?}", found.first_wrong);
+                let color = found.channels.color;
+                assert!(color > 4800 * 3 / 4, "{place}: {color}");
+                // As if x-ray's surfaces were fainter, and blended ones opaque.
+                made.shading.x_ray_opacity = 0.125;
+                let found = made.checked(&stage, 100_000);
+                let is_wrong = mode != Mode::XRay || found.wrong > 500;
+                assert!(is_wrong, "{place}: {}", found.wrong);
+                made.shading.x_ray_opacity = 0.25;
+                for pixel in &mut made.picture.pixels {
+                    pixel[1] = pixel[1].wrapping_add(2);
+                }
+                if let Some(layers) = &mut made.picture.layers {
+                    for color in &mut layers.color {
+                        color[2] += 2e-3;
+                    }
+                }
+                let found = made.checked(&stage, 100_000);
+                assert!(
+                    found.wrong > color * 9 / 10,
+                    "{place}: {} of {color}",
+                    found.wrong
+                );
+            }
         }
     }
 }

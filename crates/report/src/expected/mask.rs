@@ -6,7 +6,7 @@ use crate::stage::Stage;
 use crate::wrong_answer::{GRAZING, UV_BOUND};
 use raycast_core::Cull;
 use raycast_core::camera::Ray;
-use raycast_core::scene::{Opacity, Scene, Wrap};
+use raycast_core::scene::{Alpha, Mesh, Opacity, Scene, Wrap};
 use raycast_core::shade::Filter;
 use raycast_oracle::Truth;
 
@@ -24,12 +24,8 @@ pub(crate) fn closest_visible(stage: &Stage, ray: &Ray, cull: Cull) -> Option<Op
     (number(&least) == number(&most)).then_some(least)
 }
 
-/// Whether masks keep a hit; `None` where rounding may decide.
-fn keeps(scene: &Scene, truth: &Truth) -> Option<bool> {
-    let mesh = &scene.objects.get(truth.object as usize)?.mesh;
-    let Opacity::Mask { alpha, cutoff } = mesh.opacity(truth.triangle) else {
-        return Some(true);
-    };
+/// The alpha of a material at a hit; `None` where it is not known.
+pub(super) fn alpha(alpha: &Alpha, mesh: &Mesh, truth: &Truth) -> Option<Single> {
     let factor = Single::exactly(alpha.factor.into());
     let range = match (&alpha.image, mesh.corner_uvs(truth.triangle)) {
         (Some(image), Some(uvs)) => {
@@ -43,9 +39,16 @@ fn keeps(scene: &Scene, truth: &Truth) -> Option<bool> {
         }
         _ => factor,
     };
-    if !range.is_known() {
-        return None;
-    }
+    range.is_known().then_some(range)
+}
+
+/// Whether masks keep a hit; `None` where rounding may decide.
+fn keeps(scene: &Scene, truth: &Truth) -> Option<bool> {
+    let mesh = &scene.objects.get(truth.object as usize)?.mesh;
+    let Opacity::Mask { alpha, cutoff } = mesh.opacity(truth.triangle) else {
+        return Some(true);
+    };
+    let range = self::alpha(alpha, mesh, truth)?;
     let cutoff = f64::from(*cutoff);
     match (range.low >= cutoff, range.high < cutoff) {
         (true, _) => Some(true),

@@ -6,6 +6,7 @@
 
 mod crease;
 mod depth;
+mod layers;
 mod light;
 mod mask;
 mod normal;
@@ -33,7 +34,7 @@ use range::{Double, Vector, exactly, exactly_single, minus};
 use raycast_core::Cull;
 use raycast_core::camera::{Camera, Projection, Rect, StereoKind};
 use raycast_core::glam::Vec3;
-use raycast_core::scene::{Object, Opacity};
+use raycast_core::scene::Object;
 use raycast_core::shade::{Background, Legend, Mode, Shading, Wireframe};
 use raycast_oracle::Truth;
 use std::sync::Arc;
@@ -204,17 +205,18 @@ impl<'a> Expected<'a> {
         if let Some(cut) = cut {
             return opaque(cut);
         }
-        let mesh = &hit.object.mesh;
-        let is_blended = matches!(mesh.opacity(hit.triangle), Opacity::Blend(_));
-        if is_blended
-            && !matches!(
-                self.shading.mode,
-                Mode::Normals | Mode::Depth | Mode::Barycentric | Mode::Uv
-            )
-        {
-            // Layers are not composited independently.
-            return [Single::UNKNOWN; 4];
+        if self.shows_through(&hit) {
+            // Sections behind translucent surfaces are not computed independently.
+            return match is_cut && self.shading.mode != Mode::XRay {
+                true => [Single::UNKNOWN; 4],
+                false => self.composited(x, y),
+            };
         }
+        opaque(self.shown(&hit, truth, (x, y)))
+    }
+
+    /// The colour of a hit alone: linear light.
+    fn shown(&self, hit: &Hit<'_>, truth: &Truth, (x, y): (f64, f64)) -> Vector<24> {
         // A back face is one that culling drops.
         let back = self.shading.back_faces.filter(|_| {
             let ray = self.camera.ray(x, y);
@@ -223,29 +225,29 @@ impl<'a> Expected<'a> {
         });
         let surface_color = || match back {
             Some(color) => srgb::linear(color),
-            None => self.surface_color(&hit),
+            None => self.surface_color(hit),
         };
         let lit = |light: Vector<24>| {
             let color = surface_color();
             std::array::from_fn(|i| color[i] * light[i])
         };
         let number = Single::exactly;
-        opaque(match self.shading.mode {
-            Mode::Color => back.map_or_else(|| self.own_color(&hit), srgb::linear),
+        match self.shading.mode {
+            Mode::Color => back.map_or_else(|| self.own_color(hit), srgb::linear),
             Mode::Texture => surface_color(),
             Mode::Flat => {
                 let normal = normal::flat(&self.camera, hit.corners);
                 let to_eye = normal::middle_to_eye(&self.camera, hit.corners);
                 lit(self.lights.on(normal, to_eye))
             }
-            Mode::Smooth => {
+            Mode::Smooth | Mode::XRay => {
                 let to_eye = light::to_eye(&self.camera, x, y);
-                lit(self.lights.on(self.shown_normal(&hit), to_eye))
+                lit(self.lights.on(self.shown_normal(hit), to_eye))
             }
-            Mode::Material => self.reflected(&hit, (x, y)),
+            Mode::Material => self.reflected(hit, (x, y)),
             Mode::Normals => {
                 let half = number(0.5);
-                self.shown_normal(&hit)
+                self.shown_normal(hit)
                     .map(|n| srgb::displayed(n * half + half))
             }
             Mode::Depth => match (self.depth_map, self.shading.scale) {
@@ -262,8 +264,8 @@ impl<'a> Expected<'a> {
                 let [u, v] = uv.map(fraction);
                 [u, v, number(0.25)].map(srgb::displayed)
             }
-            Mode::Wireframe | Mode::XRay => [Single::UNKNOWN; 3],
-        })
+            Mode::Wireframe => [Single::UNKNOWN; 3],
+        }
     }
 
     /// The background: a gradient from the picture's top to its bottom.
