@@ -13,8 +13,10 @@ use raycast_core::camera::{
     BrownConrady, Camera, ImagePlane, Lattice, Panorama, Pose, Projection, Ray, Rect,
 };
 use raycast_core::glam::DVec3;
+use raycast_core::packet::MultiHits;
 use raycast_core::scene::{ClippingPlane, ClippingPlanes};
 use raycast_core::{Accel, Cull, Detail, Precision, PrimitiveHit};
+use std::collections::HashSet;
 
 /// The most triangles; `MAX_CORNERS` limits the corners that they share.
 const MAX_TRIANGLES: usize = 64;
@@ -106,7 +108,7 @@ pub fn scenario(bytes: &[u8]) -> Option<Scenario> {
 
 impl Scenario {
     /// Checks each ray of the lattice: with every instruction set the single ray's hit, bit for bit; and for some
-    /// rays brute force's, and the truth.
+    /// rays brute force's, and the truth, of their closest hits and of all in order.
     ///
     /// # Errors
     /// As [`check`].
@@ -120,10 +122,14 @@ impl Scenario {
         let single = |ray: &Ray| clipped.cast_primitive(ray, *cull, Precision::Exact);
         let expected: Vec<PrimitiveHit> =
             (0..lattice.len()).map(|i| single(&self.ray(i))).collect();
+        let mut all = Vec::new();
         for simd in Simd::available() {
             let accel = Accel::clone(&stage.accel).with_simd(simd);
-            let mut found = Vec::new();
+            let mut of_set = MultiHits::default();
             let clipped = accel.clipped(&stage.clip());
+            clipped.find_all(lattice, *cull, &mut of_set);
+            all.push((simd, of_set));
+            let mut found = Vec::new();
             clipped.cast_lattice(lattice, *cull, Precision::Exact, Detail::Full, &mut found);
             let differs = (0..lattice.len()).find(|&i| found.get(i) != expected.get(i));
             if let Some(i) = differs {
@@ -145,8 +151,25 @@ impl Scenario {
         let columns = lattice.columns as usize;
         let is_border = |&i: &usize| differs(i, i + 1) || differs(i, i + columns);
         let borders = (0..lattice.len()).filter(is_border).take(MAX_BORDER_RAYS);
+        // The tree keeps one of equal triangles.
+        let kept: HashSet<_> = stage
+            .accel
+            .primitives()
+            .map(|p| stage.accel.identify(p))
+            .collect();
         for i in spread.chain(borders) {
             self.check_ray(i)?;
+            let hits = stage.hits_in_order(&self.ray(i), *cull);
+            let numbers = hits.iter().map(|truth| (truth.object, truth.triangle));
+            let truth: Vec<_> = numbers.filter(|numbers| kept.contains(numbers)).collect();
+            for (simd, found) in &all {
+                let found = found.of(i).iter().map(|&p| stage.accel.identify(p));
+                if !found.clone().eq(truth.iter().copied()) {
+                    let (name, found) = (simd.name(), found.collect::<Vec<_>>());
+                    let fault = format!("{name} found the hits {found:?}, in truth {truth:?}");
+                    return Err(self.describe(i, &fault));
+                }
+            }
         }
         Ok(())
     }

@@ -93,6 +93,6 @@ mod triangles_at_places;
 mod triangles_at_places_tests;
 
 pub use counts::CastCounts;
-pub(crate) use multi_hit::MultiHits;
+pub use multi_hit::MultiHits;
 pub(crate) use params::LARGE_SIDE;
 pub use trace::{EntryPoint, LargeTrace, PacketTrace};

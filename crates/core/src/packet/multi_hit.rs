@@ -13,9 +13,9 @@ use crate::num::simd::{Lanes, Work, dispatch};
 use crate::single::{Clipped, MOST_HITS, OrderedHits};
 use std::ops::Range;
 
-/// The hits of many rays, each ray's in the order of [`OrderedHits::find`].
+/// All hits of many rays, each ray's from the nearest on: see [`Clipped::find_all`].
 #[derive(Debug, Default)]
-pub(crate) struct MultiHits {
+pub struct MultiHits {
     /// For each ray, where its hits are in `primitives`.
     rays: Vec<Range<u32>>,
     primitives: Vec<u32>,
@@ -24,13 +24,14 @@ pub(crate) struct MultiHits {
 }
 
 impl MultiHits {
-    /// The triangles that a ray hits, by its number in the lattice.
-    pub(crate) fn of(&self, ray: usize) -> &[u32] {
+    /// The primitive indices of the triangles that a ray hits, by its number in the lattice, row by row; none for a number
+    /// beyond the last.
+    pub fn of(&self, ray: usize) -> &[u32] {
         let Range { start, end } = self.rays.get(ray).cloned().unwrap_or_default();
         &self.primitives[start as usize..end as usize]
     }
 
-    /// Finds the hits of the `wanted` rays of a lattice, in row order; the others get none.
+    /// Finds the hits of the `wanted` rays of a lattice, row by row, in the order of [`OrderedHits::find`]; the others get none.
     pub(crate) fn find(
         &mut self,
         kept: &Clipped<'_>,
@@ -62,6 +63,16 @@ impl MultiHits {
         } else {
             dispatch(simd, InPackets::<false>(find));
         }
+    }
+}
+
+impl Clipped<'_> {
+    /// Finds all triangles that the rays of a lattice hit and that planes and masks keep: nearest first by exact distance;
+    /// equal distances go by object, then by triangle. Of each ray the first 256 are found.
+    pub fn find_all(&self, lattice: &Lattice, cull: Cull, hits: &mut MultiHits) {
+        let wanted = vec![true; lattice.len()];
+        let options = (cull, Precision::Exact);
+        hits.find(self, lattice, options, &wanted, &|_| false);
     }
 }
 
