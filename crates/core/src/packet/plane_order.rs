@@ -82,6 +82,8 @@ pub(super) struct PlaneOrder {
     function: Linear,
     /// Bound on its error; NaN or infinite where nothing is known.
     error: f64,
+    /// Whether both lie in one plane.
+    pub(super) in_one_plane: bool,
 }
 
 impl PlaneOrder {
@@ -92,6 +94,7 @@ impl PlaneOrder {
             y: 0.0,
         },
         error: f64::INFINITY,
+        in_one_plane: false,
     };
 
     /// The order along rays that all hit one of two triangles first: 1.0 for the first one, −1.0 for the second.
@@ -102,6 +105,7 @@ impl PlaneOrder {
                 ..Self::UNKNOWN.function
             },
             error: 0.0,
+            in_one_plane: false,
         }
     }
 
@@ -116,7 +120,10 @@ impl PlaneOrder {
         order_if_coplanar: impl FnOnce() -> Option<bool>,
     ) -> Self {
         let in_plane = || {
-            order_if_coplanar().map(|is_first| Self::constant(if is_first { 1.0 } else { -1.0 }))
+            order_if_coplanar().map(|is_first| Self {
+                in_one_plane: true,
+                ..Self::constant(if is_first { 1.0 } else { -1.0 })
+            })
         };
         let Some(plane) = plane else {
             return in_plane().unwrap_or(Self::UNKNOWN);
@@ -183,6 +190,7 @@ impl PlaneOrder {
         Self {
             function,
             error: (error + SINGLE_PLACE_ERROR * function.slope()) * 1.01 + LEAST_SURE,
+            in_one_plane: false,
         }
     }
 

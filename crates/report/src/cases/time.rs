@@ -45,7 +45,6 @@ pub const TIMED_CASES: &[TimedCase] = &[
     // Single precision does not tell the front from the back: each ray decides between the two.
     timed("tiny_and_far", tiny_and_far),
     timed("layers_in_one_plane", one_plane),
-    // Some 20 layers are in front at one ray or another, and each packet compares all with them.
     timed("layers_a_rounding_apart", rounded_layers),
     timed("layers_apart_by_subnormal_numbers", subnormal_layers),
     timed("eye_next_to_a_corner_of_layers", next_to_layers),
