@@ -508,3 +508,40 @@ fn triangles_in_or_next_to_one_plane_are_ordered_by_packets() {
         }
     }
 }
+
+/// Parallel rays far from the world's origin, at triangles next to the tree's: their origins are rounded by more than rays
+/// are apart, and the planes that bound them must allow for it. They see triangles whose plane they all but follow.
+#[test]
+fn parallel_rays_that_start_beside_their_places_are_not_lost() {
+    let mut random = Random(63);
+    let mut hits_found = 0;
+    for round in 0..300 {
+        let mut corner = || DVec3::new(-3e8, -1e9 * random.unit(), -1e9 * random.unit());
+        let positions = vec![corner(), corner(), corner()];
+        let pose = Pose {
+            eye: DVec3::new(-3e8 - 2.8e-6, -3e8, -1e8),
+            target: positions[0],
+            up: DVec3::Y,
+        };
+        let accel = build([mesh(positions, vec![[0, 1, 2]])]);
+        let plane = ImagePlane::new(64, 64, 1e-9).expect("a good plane");
+        let camera = Camera::new(pose, Projection::Orthographic, plane);
+        // Right of the middle, or left of it, and above.
+        let rect = Rect {
+            x: [33, 10][round % 2],
+            y: 3,
+            width: 20,
+            height: 15,
+        };
+        let lattice = camera.sub_camera(rect).lattice();
+        let mut primitives = Vec::new();
+        accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
+        for (at, &primitive) in (0..).zip(&primitives) {
+            let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
+            let expected = accel.cast_primitive(&ray, Cull::None, Precision::Exact);
+            assert_eq!(primitive, expected.primitive, "{round} {at}");
+            hits_found += u32::from(!expected.is_miss());
+        }
+    }
+    assert!(hits_found > 300, "{hits_found}");
+}

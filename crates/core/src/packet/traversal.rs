@@ -24,8 +24,9 @@ use super::ray_rect::RayRect;
 use super::setup::PacketSpace;
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, Subtree};
-use crate::camera::{Camera, Lattice, Projection};
+use crate::camera::{Camera, ImagePlane, Lattice, Projection};
 use crate::hit::{Cull, Precision};
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes};
 use crate::ray::relative_origin;
 use crate::triangle::clip::{Clip, Kept};
@@ -106,6 +107,8 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     pub(super) has_ray_error: bool,
     eye: DVec3,
     eye_error: f64,
+    /// Bound on how far parallel rays start from their places on the image plane.
+    start_error: f64,
     /// The large packet's entry points in pairs, near to far.
     pairs: Vec<EntryPair>,
     /// The entry points one by one: subtree, box, and the nearest depth along the view axis.
@@ -140,6 +143,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             has_ray_error: false,
             eye,
             eye_error,
+            start_error: start_error(&lattice.camera, eye),
             pairs: Vec::new(),
             entry_points: Vec::new(),
             next: Vec::new(),
@@ -176,7 +180,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         Viewpoint {
             camera: &self.lattice.camera,
             eye: self.eye,
-            eye_error: self.eye_error,
+            eye_error: self.eye_error + self.start_error,
             bounds: &self.accel.tree.bounds,
         }
     }
@@ -535,4 +539,19 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         let projection = self.lattice.camera.projection();
         self.reference.key_of_box(projection, near)
     }
+}
+
+/// Bound on how far a camera's parallel rays start from their places on the image plane, zero for others; `eye` is the
+/// camera's, relative to the tree's origin. Places are rounded, and origins in world space: 16ε of these magnitudes, as
+/// [`PacketSpace`] derives.
+fn start_error(camera: &Camera, eye: DVec3) -> f64 {
+    if camera.projection() != Projection::Orthographic {
+        return 0.0;
+    }
+    let ImagePlane { columns, rows, .. } = camera.plane();
+    let (left, top) = camera.across_and_along(0.0, 0.0);
+    let (right, bottom) = camera.across_and_along(columns.into(), rows.into());
+    let reach = left.abs().max(right.abs()) + top.abs().max(bottom.abs());
+    let world = camera.pose().eye.abs().max_element() + eye.abs().max_element() + 3.0 * reach;
+    16.0 * EPSILON * world
 }
