@@ -13,7 +13,7 @@
 //! Its exponent has eight bits. The inverse depths of triangles that pass the eye at 10⁻⁴⁰ overflow it, so near such
 //! triangles depths are measured in a unit that is many times shorter ([`FURTHEST_KEY`]).
 
-use super::setup::Linear;
+use super::linear::Linear;
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
 use crate::num::roundoff::EPSILON;

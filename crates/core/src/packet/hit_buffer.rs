@@ -2,10 +2,10 @@
 //! surface method", 1984) with an interval of depth for each hit.
 
 use super::interval_zbuffer::for_each_bit;
+use super::occlusion::Occlusion;
 use super::params::{COLUMNS, RAYS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::setup::TriangleSetup;
-use super::traversal::Occlusion;
 use crate::num::simd::{F32x8, Lanes, Mask8};
 use crate::single::MOST_HITS;
 

@@ -16,10 +16,10 @@ mod sure_hits;
 #[cfg(test)]
 mod tests;
 
+use super::occlusion::Occlusion;
 use super::params::{CELLS, RAYS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::rivals::Rivals;
-use super::traversal::Occlusion;
 use crate::bvh::tree::TRIANGLE_LIMIT;
 use crate::hit::MISS;
 use crate::num::choice::lesser;

@@ -62,10 +62,12 @@ mod hostile_panorama_tests;
 mod instance_tests;
 mod interval_zbuffer;
 mod lane_math;
+mod linear;
 mod multi_hit;
 #[cfg(test)]
 mod multi_hit_tests;
 mod observer;
+mod occlusion;
 mod params;
 mod place_box;
 mod places;

@@ -52,7 +52,7 @@
 pub(super) mod place_bounds;
 mod space;
 
-use super::params::{ROW, SIDE};
+pub(super) use super::linear::{FunctionDomain, Linear, REACH};
 use super::ray_box::RayBox;
 use crate::hit::Cull;
 use crate::num::choice::{greater, lesser};
@@ -61,10 +61,6 @@ use crate::num::simd::LANES;
 use crate::triangle::CornerLanes;
 use glam::Vec3;
 pub(crate) use space::PacketSpace;
-
-/// The furthest place from a packet's first ray at which functions are evaluated; rows of lanes may reach beyond the
-/// packet.
-pub(super) const REACH: f64 = (SIDE + ROW) as f64;
 
 /// Relative error of a linear function of the place evaluated in single precision, in units of the sum of its
 /// terms' greatest magnitudes, M = |f₀| + |f_x|·w + |f_y|·h.
@@ -385,113 +381,6 @@ struct Facing {
     facing_error: f64,
     /// The error of the depth key's numerator, without what `facing_error` covers.
     numerator_error: f64,
-}
-
-/// Where a triangle's functions start, and how far they are evaluated from there.
-#[derive(Clone, Copy)]
-pub(super) struct FunctionDomain {
-    column: i32,
-    row: i32,
-    i: f64,
-    j: f64,
-    pub(super) across: f64,
-    pub(super) along: f64,
-}
-
-impl FunctionDomain {
-    /// A whole packet.
-    const PACKET: Self = Self {
-        column: 0,
-        row: 0,
-        i: 0.0,
-        j: 0.0,
-        across: REACH,
-        along: REACH,
-    };
-
-    /// Functions start at the left of the bounds; for wide bounds at a multiple of a row.
-    #[inline(always)]
-    pub(super) fn of(bounds: &RayBox) -> Self {
-        let RayBox {
-            left,
-            right,
-            top,
-            bottom,
-        } = *bounds;
-        let narrow = bounds.is_narrow();
-        let most = (SIDE - ROW) as i32;
-        let column = if narrow {
-            if left < most { left } else { most }
-        } else {
-            left & !(ROW as i32 - 1)
-        };
-        let row = if narrow { top } else { top & !(ROW as i32 - 1) };
-        Self {
-            column,
-            row,
-            i: f64::from(column),
-            j: f64::from(row),
-            across: f64::from(right - column + ROW as i32),
-            along: f64::from(bottom - row + ROW as i32),
-        }
-    }
-}
-
-/// A linear function of a ray's place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Linear {
-    pub(super) constant: f64,
-    pub(super) x: f64,
-    pub(super) y: f64,
-}
-
-impl Linear {
-    /// The same function relative to a span's first ray.
-    #[inline(always)]
-    pub(super) fn moved(self, span: &FunctionDomain) -> Self {
-        Self {
-            constant: self.constant + self.x * span.i + self.y * span.j,
-            ..self
-        }
-    }
-
-    /// The function times a constant.
-    #[inline(always)]
-    pub(super) fn times(self, factor: f64) -> Self {
-        Self {
-            constant: self.constant * factor,
-            x: self.x * factor,
-            y: self.y * factor,
-        }
-    }
-
-    /// The function minus another.
-    #[inline(always)]
-    pub(super) fn less(self, other: Self) -> Self {
-        Self {
-            constant: self.constant - other.constant,
-            x: self.x - other.x,
-            y: self.y - other.y,
-        }
-    }
-
-    /// The sum of the terms' greatest magnitudes over a span.
-    #[inline(always)]
-    pub(super) fn size(self, span: &FunctionDomain) -> f64 {
-        self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
-    }
-
-    /// The greatest magnitude in a packet.
-    #[inline(always)]
-    pub(super) fn reach(self) -> f64 {
-        self.constant.abs() + REACH * self.slope()
-    }
-
-    /// The greatest change from ray to ray.
-    #[inline(always)]
-    pub(super) fn slope(self) -> f64 {
-        self.x.abs() + self.y.abs()
-    }
 }
 
 /// The greatest magnitude of three.

@@ -8,7 +8,6 @@ mod at_places;
 mod descent;
 mod entry_points;
 mod gather;
-mod occlusion;
 
 use super::counts::CastCounts;
 use super::decisions::Decisions;
@@ -16,6 +15,7 @@ use super::depth_reference::DepthReference;
 use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
+use super::occlusion::Occlusion;
 use super::params::ROW;
 use super::places::TANGENT_ERROR;
 use super::ray_bounds::{CornerProjector, ProjectedTriangles};
@@ -33,7 +33,6 @@ use crate::triangle::clip::{Clip, Kept};
 use descent::{DepthLimits, Descent, SmallBoxes};
 use entry_points::EntryPair;
 use glam::DVec3;
-pub(super) use occlusion::Occlusion;
 use std::ops::Range;
 
 /// The number of rays in the bounds of the queued triangles at which they are set up although fewer than eight are

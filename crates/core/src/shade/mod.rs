@@ -31,6 +31,7 @@ mod line_tests;
 mod lines;
 mod mode;
 mod numbers;
+mod opacities;
 mod own_color;
 #[cfg(test)]
 mod own_color_tests;

@@ -3,7 +3,7 @@
 use crate::num::simd::Lanes;
 
 /// What a packet's hits so far occlude.
-pub(in crate::packet) trait Occlusion {
+pub(super) trait Occlusion {
     /// Accounts for the hits since it was last called.
     fn update(&mut self, lanes: impl Lanes);
 
