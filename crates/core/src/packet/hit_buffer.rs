@@ -1,6 +1,7 @@
 //! The hits of a packet's rays with all triangles, unordered: an A-buffer (Carpenter, "The A-buffer, an antialiased hidden
 //! surface method", 1984) with an interval of depth for each hit.
 
+use super::interval_zbuffer::edge_functions::EdgeFunctions;
 use super::interval_zbuffer::for_each_bit;
 use super::occlusion::Occlusion;
 use super::params::{COLUMNS, RAYS, ROW, SIDE};
@@ -137,14 +138,9 @@ impl HitBuffer {
             is_partial,
         }: Surface,
     ) {
-        let of = |f: &[[f32; ROW]; 3]| f.map(|coefficient| coefficient[l]);
-        let [e, f, g] = [
-            of(&set_up.edges[0]),
-            of(&set_up.edges[1]),
-            of(&set_up.edges[2]),
-        ];
-        let key = of(&set_up.depth_key);
-        let (edge_error, key_error) = (set_up.edge_error[l], set_up.depth_key_error[l]);
+        let functions = EdgeFunctions::of(set_up, l, primitive);
+        let ([e, f, g], key) = (functions.edges, functions.depth_key);
+        let (edge_error, key_error) = (functions.edge_error, functions.depth_key_error);
         let (error, minus_error) = (lanes.splat(edge_error), lanes.splat(-edge_error));
         let key_error = lanes.splat(key_error);
         let [in_front, behind] = self.start_keys;
@@ -216,7 +212,7 @@ impl HitBuffer {
             top,
             bottom,
         } = set_up.boxes[l];
-        let error = set_up.edge_error[l];
+        let functions = EdgeFunctions::of(set_up, l, primitive);
         for row in top..=bottom {
             for column in left..=right {
                 let ray = row as usize * SIDE + column as usize;
@@ -224,11 +220,7 @@ impl HitBuffer {
                     (column - set_up.column[l]) as f32,
                     (row - set_up.row[l]) as f32,
                 );
-                let values =
-                    (set_up.edges.each_ref()).map(|f| (f[0][l] + f[2][l] * y) + f[1][l] * x);
-                let below = values.iter().any(|&value| value < -error);
-                let above = values.iter().any(|&value| value > error);
-                if below & above || self.closed[ray] == f32::INFINITY {
+                if !functions.may_be_hit_at(x, y) || self.closed[ray] == f32::INFINITY {
                     continue;
                 }
                 self.hits.push(PossibleHit {

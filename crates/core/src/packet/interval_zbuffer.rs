@@ -9,7 +9,7 @@
 mod at_places;
 mod cut_triangles;
 mod depth_merge;
-mod edge_functions;
+pub(super) mod edge_functions;
 mod provisional;
 mod rasterize;
 mod sure_hits;

@@ -333,17 +333,12 @@ impl IntervalZBuffer {
         functions: &EdgeFunctions,
         bounds: &PlaceBox,
     ) {
-        let error = functions.edge_error;
         for_each_bit(places.cells_touched(lanes, bounds).into(), |cell| {
             for_each_bit(places.rows_touched(lanes, cell, bounds).into(), |row| {
                 let first = first_of(cell, row);
                 for ray in first..first + ROW {
-                    let (x, y) = (places.x[ray], places.y[ray]);
-                    let values = functions.edges.map(|f| (f[0] + f[2] * y) + f[1] * x);
-                    let below = values.iter().any(|&value| value < -error);
-                    let above = values.iter().any(|&value| value > error);
                     let has_ray = places.has_ray[ray / SIDE] >> (ray % SIDE) & 1 != 0;
-                    if has_ray && !(below & above) {
+                    if has_ray && functions.may_be_hit_at(places.x[ray], places.y[ray]) {
                         self.high[ray] = f32::INFINITY;
                         self.leave_ray_undecided(ray, functions.primitive);
                     }

@@ -434,14 +434,9 @@ impl IntervalZBuffer {
         (left, right): (usize, usize),
         (top, bottom): (usize, usize),
     ) {
-        let error = functions.edge_error;
         for j in top..=bottom {
             for i in left..=right {
-                let (x, y) = (i as f32 - column as f32, j as f32 - row as f32);
-                let values = functions.edges.map(|f| (f[0] + f[2] * y) + f[1] * x);
-                let below = values.iter().any(|&value| value < -error);
-                let above = values.iter().any(|&value| value > error);
-                if !(below & above) {
+                if functions.may_be_hit_at(i as f32 - column as f32, j as f32 - row as f32) {
                     let ray = j * SIDE + i;
                     self.high[ray] = f32::INFINITY;
                     self.leave_ray_undecided(ray, functions.primitive);
