@@ -19,8 +19,10 @@ use crate::num::roundoff::EPSILON;
 use crate::num::roundoff::U;
 use crate::triangle::clip::AtEye;
 
-/// The greatest K. Beyond it the factor of the key would leave the normal numbers of single precision.
+/// The greatest K, and the greatest factor of the key. Beyond them the factor would leave the normal numbers of single
+/// precision: keys that are all next to zero want a huge one.
 const GREATEST_KEY: f64 = 1e30;
+const GREATEST_FACTOR: f64 = 1e30;
 
 /// A plane's function along a packet's rays.
 #[derive(Clone, Copy, Debug)]
@@ -96,9 +98,15 @@ impl PlaneAlongRays {
         // The terms of the sum may be greater than it.
         let size = size + by_key * (greatest + 2.0 * self.reference.reach());
         let unit = 1.0 / size;
+        let factor = self.by_key * unit;
+        // NaN fails this too.
+        let is_in_range = factor.abs() < GREATEST_FACTOR;
+        if !is_in_range {
+            return PlaneAtKey::UNKNOWN;
+        }
         PlaneAtKey {
             function: [constant, x, y].map(|number| (number * unit) as f32),
-            by_key: (self.by_key * unit) as f32,
+            by_key: factor as f32,
             error: ((error + size * 1e-12) * unit * 1.01) as f32,
         }
     }
@@ -112,6 +120,33 @@ mod tests {
     use crate::hit::Cull;
     use crate::random::Random;
     use glam::DVec3;
+
+    /// Keys that are all next to zero: their factor is at most its limit, or nothing is sure. At 1e-39 single precision
+    /// cannot hold it.
+    #[test]
+    fn factors_of_tiny_keys_stay_within_single_precision() {
+        let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
+        let pose = Pose::towards(DVec3::ZERO, -DVec3::Z);
+        let camera = Camera::new(pose, Projection::Perspective, plane);
+        let space = space(&camera, DVec3::ZERO, Cull::None);
+        // Far from the plane, so that keys outweigh directions.
+        let along = space.along_rays(&AtEye {
+            normal: DVec3::X,
+            value: 1e40,
+            error: 0.0,
+        });
+        let (mut known, mut unknown) = (0, 0);
+        for exponent in 0..46 {
+            let key = crate::math::pow(10.0, -f64::from(exponent)) as f32;
+            let found = along.at_key([key, 0.0, 0.0], key * 1e-7, (15.5, 15.5));
+            assert!(found.by_key.abs() <= GREATEST_FACTOR as f32, "{found:?}");
+            match found.error < 1.0 {
+                true => known += 1,
+                false => unknown += 1,
+            }
+        }
+        assert!(known > 10 && unknown > 5, "{known} {unknown}");
+    }
 
     /// The truth is the plane's function at points of known depth along the camera's rays, of which the eye is on the plane or
     /// a given distance beside it.
