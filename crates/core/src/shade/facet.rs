@@ -203,6 +203,27 @@ pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3
     if away { -normal } else { normal }.as_vec3()
 }
 
+/// [`facing_normal`]; where there is none, the way back along the view.
+#[inline(always)]
+pub(super) fn visible_normal(corners: [DVec3; 3], forward: DVec3, parallel: Option<DVec3>) -> Vec3 {
+    let normal = facing_normal(corners, parallel);
+    if normal == Vec3::ZERO {
+        -forward.as_vec3()
+    } else {
+        normal
+    }
+}
+
+/// The unit vector to the eye from the middle of a triangle with these corners, relative to the eye, or against parallel
+/// rays.
+#[inline(always)]
+pub(super) fn middle_to_eye([a, b, c]: [DVec3; 3], parallel: Option<DVec3>) -> Vec3 {
+    match parallel {
+        Some(forward) => -forward.as_vec3(),
+        None => -unit((a + b + c) / 3.0).as_vec3(),
+    }
+}
+
 /// A vector divided by its largest component, so that products of two stay in range.
 #[inline(always)]
 fn unit_scaled(vector: DVec3) -> DVec3 {

@@ -18,6 +18,7 @@ mod eight_interpolation;
 mod eight_lines;
 mod eight_texture;
 mod facet;
+mod flat_colors;
 mod ground;
 mod hit_rows;
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use super::facet::Interpolation;
 use super::spans::{COLUMNS, Span, spans};
-use super::{Filter, Mode, Shader, Shading, short_spans};
+use super::{Filter, LightSet, Mode, Shader, Shading, short_spans};
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, MISS, Precision};
@@ -189,6 +189,14 @@ fn rows_of_small_triangles_have_the_colours_of_their_samples() {
             back_faces: Some(Color([200, 30, 90])),
             ..Shading::default()
         });
+        for lights in [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint] {
+            shadings.push(Shading {
+                mode: Mode::Flat,
+                lights,
+                back_faces: (lights == LightSet::Headlight).then_some(Color([200, 30, 90])),
+                ..Shading::default()
+            });
+        }
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let counts = compare(&scene, (projection, x), &shadings);
             assert!(counts.short > 10_000 && counts.lines > 5_000, "{counts:?}");

@@ -333,6 +333,11 @@ impl<'a> Shader<'a> {
         self.eye
     }
 
+    /// The camera's view axis.
+    pub(super) fn forward(&self) -> DVec3 {
+        self.camera.forward()
+    }
+
     /// The instruction set to shade with: the tree's.
     pub(super) fn simd(&self) -> Simd {
         self.accel.simd()

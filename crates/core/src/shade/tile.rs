@@ -1,9 +1,10 @@
 use super::facet::{Facet, SurfaceTriangle};
+use super::flat_colors::FlatColors;
 use super::hit_rows::HitRows;
 use super::spans::within;
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
-use crate::num::simd::{Lanes, Work, dispatch};
+use crate::num::simd::{LANES, Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::DVec3;
 
@@ -15,6 +16,12 @@ const COLORS: usize = 256;
 /// with fewer entries it would be prepared again.
 const FACETS: usize = 256;
 
+/// The changes of triangle in a run from which on it is worth looking for triangles that are not cached.
+const MANY: u32 = 4;
+
+/// The fewest triangles of a run whose colours are computed at once.
+const FEWEST: usize = 3;
+
 /// Pixels that are tested at once for showing one triangle; most such runs do, or show none.
 const RUN: usize = 16;
 
@@ -24,6 +31,8 @@ pub struct TileShader<'s> {
     shader: &'s Shader<'s>,
     /// Colours of triangles with one colour: a direct-mapped cache, indexed by the low bits of the primitive index.
     colors: [(u32, [u8; 4]); COLORS],
+    /// Whether the colours of several triangles of a run are computed at once.
+    prepares_colors: bool,
     /// Shading triangles, cached likewise; empty until one is needed.
     facets: Vec<(u32, Facet)>,
     /// Shading triangles for channels beside colours, cached likewise.
@@ -42,6 +51,7 @@ impl<'s> TileShader<'s> {
         Self {
             shader,
             colors: [(MISS, [0; 4]); COLORS],
+            prepares_colors: shader.has_small_flat_triangles(),
             facets: Vec::new(),
             surfaces: Vec::new(),
         }
@@ -225,6 +235,7 @@ impl<'s> TileShader<'s> {
         primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
+        let prepares_colors = CONSTANT && self.prepares_colors;
         let count = primitives.len().min(pixels.len());
         let (primitives, pixels) = (&primitives[..count], &mut pixels[..count]);
         let backdrop = self.shader.backdrop8(y);
@@ -238,6 +249,9 @@ impl<'s> TileShader<'s> {
             if *primitives == [primitives[0]; RUN] && (CONSTANT || primitives[0] == MISS) {
                 pixels.fill(self.constant(f64::from(left) + 0.5, y, primitives[0]));
             } else {
+                if prepares_colors && changes(primitives) >= MANY {
+                    self.prepare_colors(primitives);
+                }
                 self.shade_each::<CONSTANT>(left, y, primitives, pixels);
             }
         }
@@ -262,6 +276,41 @@ impl<'s> TileShader<'s> {
             } else {
                 srgb::encode(self.color(x, y, &on(primitive)))
             };
+        }
+    }
+
+    /// Caches the colours of the triangles of a run under flat light, eight at once, where several are not cached.
+    #[inline(always)]
+    fn prepare_colors(&mut self, primitives: &[u32; RUN]) {
+        let (mut unknown, mut count) = ([MISS; RUN], 0);
+        let mut last = MISS;
+        for &primitive in primitives {
+            let (known, _) = self.colors[primitive as usize % COLORS];
+            unknown[count % RUN] = primitive;
+            let is_new = (primitive != last) & (primitive != MISS) & (primitive != known);
+            count += usize::from(is_new);
+            last = primitive;
+        }
+        if count >= FEWEST {
+            self.new_colors(&unknown, count);
+        }
+    }
+
+    #[inline(never)]
+    fn new_colors(&mut self, unknown: &[u32; RUN], count: usize) {
+        for unknown in unknown[..count.min(RUN)].chunks(LANES) {
+            let mut primitives = [unknown[0]; LANES];
+            primitives[..unknown.len()].copy_from_slice(unknown);
+            let mut colors = [[0; 4]; LANES];
+            let work = FlatColors {
+                shader: self.shader,
+                primitives: &primitives,
+                colors: &mut colors,
+            };
+            dispatch(self.shader.simd(), work);
+            for (&primitive, color) in unknown.iter().zip(colors) {
+                self.colors[primitive as usize % COLORS] = (primitive, color);
+            }
         }
     }
 
@@ -354,6 +403,16 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
             shader.shader.clear_beyond(left, y, within(pixels, columns));
         }
     }
+}
+
+/// How many samples of a run show another triangle than the one before.
+#[inline(always)]
+fn changes(primitives: &[u32; RUN]) -> u32 {
+    let (before, after) = (&primitives[..RUN - 1], &primitives[1..]);
+    let pairs = before.iter().zip(after);
+    pairs
+        .map(|(before, after)| u32::from(before != after))
+        .sum()
 }
 
 /// A hit of which nothing is known but the triangle.

@@ -1,11 +1,10 @@
 //! Preparing shading triangles: what all pixels of a triangle share, computed once.
 
 use super::{Shader, opaque};
-use crate::camera::Projection;
 use crate::scene::{Attribute, Object, Scene};
 use crate::shade::edges::EdgeLines;
 use crate::shade::facet::{
-    Facet, Interpolation, Needs, SurfaceTriangle, Varied, facing_normal, unit,
+    Facet, Interpolation, Needs, SurfaceTriangle, Varied, middle_to_eye, visible_normal,
 };
 use crate::shade::interpolants::{Interpolants, LinearNormal};
 use crate::shade::own_color::{PlacedCorners, normals_to_world};
@@ -178,31 +177,21 @@ impl Shader<'_> {
     /// way back to the eye.
     #[inline(always)]
     fn normal(&self, corners: [DVec3; 3]) -> Vec3 {
-        let forward = self.camera.forward();
-        let orthographic = self.camera.projection().is_parallel();
-        let normal = facing_normal(corners, orthographic.then_some(forward));
-        if normal == Vec3::ZERO {
-            -forward.as_vec3()
-        } else {
-            normal
-        }
+        visible_normal(corners, self.camera.forward(), self.parallel())
+    }
+
+    /// The direction of parallel rays.
+    #[inline(always)]
+    pub(in crate::shade) fn parallel(&self) -> Option<DVec3> {
+        let is_parallel = self.camera.projection().is_parallel();
+        is_parallel.then(|| self.camera.forward())
     }
 
     /// The light on all of a triangle with these corners, relative to the eye, and this unit normal.
     #[inline(always)]
     fn flat_light(&self, corners: [DVec3; 3], normal: Vec3) -> Vec3 {
-        self.lights.on(normal, self.middle_to_eye(corners))
-    }
-
-    /// The unit vector to the eye from the middle of a triangle with these corners, relative to the eye.
-    #[inline(always)]
-    fn middle_to_eye(&self, [a, b, c]: [DVec3; 3]) -> Vec3 {
-        match self.camera.projection() {
-            Projection::Orthographic => -self.camera.forward().as_vec3(),
-            Projection::Perspective | Projection::Panoramic(_) => {
-                -unit((a + b + c) / 3.0).as_vec3()
-            }
-        }
+        self.lights
+            .on(normal, middle_to_eye(corners, self.parallel()))
     }
 
     /// [`Shader::color`] of a triangle whose pixels all have one colour, without preparing the shading triangle.
