@@ -114,6 +114,7 @@ impl PlaneAlongRays {
 
 #[cfg(test)]
 mod tests {
+    use super::super::depth_reference::DepthReference;
     use super::super::setup_tests::space;
     use super::*;
     use crate::camera::{Camera, ImagePlane, Pose, Projection};
@@ -184,7 +185,23 @@ mod tests {
                 error,
             };
             let off = [U, 1e-4][round / 10 % 2];
-            let key = [((1.0 + off * random.signed()) / depth) as f32, 0.0, 0.0];
+            let key = (1.0 + off * random.signed()) / depth;
+            // Keys are relative to nothing, or to the plane of a layer that may lie close by.
+            let (space, reference) = match round / 40 % 2 {
+                0 => (space, 0.0),
+                _ => {
+                    let mut slope = || random.signed() * 0.01 / depth;
+                    let plane = Linear {
+                        constant: [0.5, 0.9999][round / 80 % 2] / depth,
+                        x: slope(),
+                        y: slope(),
+                    };
+                    let reference = DepthReference::NONE.with_plane(plane, (31.0, 31.0));
+                    let space = space.relative_to(reference.expect("a key in range"));
+                    (space, plane.constant + plane.x * column + plane.y * row)
+                }
+            };
+            let key = [(key - reference) as f32, 0.0, 0.0];
             let key_error = ((off + 2.0 * U) / depth) as f32;
             let (i, j) = ((column / 2.0).floor(), (row / 2.0).floor());
             let found = space.along_rays(&at_eye).at_key(key, key_error, (i, j));
