@@ -2,7 +2,8 @@
 //!
 //! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
 //! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
-//! mode needs. [`TileShader`] caches these. `texture` reads surfaces' images, and `lines` draws edges. `scanlines` shades
+//! mode needs. [`TileShader`] caches these, and the colours of triangles that have one each, which `flat_colors` computes
+//! eight at once where triangles are small. `texture` reads surfaces' images, and `lines` draws edges. `scanlines` shades
 //! rows whose colours follow from linear functions (`short_spans` where triangles are as small as samples), `eight`
 //! shades eight samples of a row at once in lanes, `eight_texture` reads their textures and `eight_channels` fills the other
 //! channels of a picture, all with the bits of single samples.
