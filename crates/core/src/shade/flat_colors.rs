@@ -11,7 +11,7 @@ use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::{CornerLanes, corners_in_lane};
 use glam::DVec3;
 
-/// The colours of eight triangles, as [`Shader::constant_color`] gives them where [`Shader::has_flat_light`].
+/// The colours of eight triangles, as [`Shader::constant_color`] gives them where [`Shader::has_small_flat_triangles`].
 pub(super) struct FlatColors<'c, 's> {
     pub(super) shader: &'c Shader<'s>,
     pub(super) primitives: &'c [u32; LANES],
