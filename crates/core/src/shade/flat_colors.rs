@@ -8,7 +8,7 @@ use super::Shader;
 use super::facet::{middle_to_eye, visible_normal};
 use super::vectors::{Rows, Vectors};
 use crate::num::simd::{LANES, Lanes, Work};
-use crate::triangle::{CornerLanes, corners_in_lane};
+use crate::triangle::{CornerLanes, vectors_in_lane};
 use glam::DVec3;
 
 /// The colours of eight triangles, as [`Shader::constant_color`] gives them where [`Shader::has_small_flat_triangles`].
@@ -81,7 +81,7 @@ impl Directions {
         (forward, parallel): (DVec3, Option<DVec3>),
         lane: usize,
     ) {
-        let [a, b, c] = corners_in_lane(corners, lane);
+        let [a, b, c] = vectors_in_lane(corners, lane);
         let from_eye = [a.as_dvec3() - eye, b.as_dvec3() - eye, c.as_dvec3() - eye];
         self.normals
             .set(lane, visible_normal(from_eye, forward, parallel));

@@ -8,7 +8,7 @@ use super::facet::facing_normal;
 use super::interpolants::{PlanarRays, SmoothSample};
 use super::numbers::Numbers;
 use crate::num::simd::{LANES, Lanes};
-use crate::triangle::{CornerLanes, corners_in_lane};
+use crate::triangle::{CornerLanes, vectors_in_lane};
 use glam::{DVec3, Mat3, Vec3};
 
 /// The most samples of a span whose triangle is not prepared for them, and the most samples that a row may have for each of
@@ -178,17 +178,17 @@ impl EightTriangles {
         (lane, x, y): (usize, f64, f64),
         out: &mut SampleNormals,
     ) {
-        let corners = corners_in_lane(&self.corners, lane);
+        let corners = vectors_in_lane(&self.corners, lane);
         let [a, b, c] = corners;
         let from_eye = [a.as_dvec3() - eye, b.as_dvec3() - eye, c.as_dvec3() - eye];
         let flat = facing_normal(from_eye, parallel);
-        let [x_axis, y_axis, z_axis] = corners_in_lane(&self.world_normals, lane);
+        let [x_axis, y_axis, z_axis] = vectors_in_lane(&self.world_normals, lane);
         let world = Mat3 {
             x_axis,
             y_axis,
             z_axis,
         };
-        let [na, nb, nc] = corners_in_lane(&self.normals, lane);
+        let [na, nb, nc] = vectors_in_lane(&self.normals, lane);
         let sample = SmoothSample {
             place: (x, y),
             corners,

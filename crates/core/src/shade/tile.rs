@@ -16,7 +16,8 @@ const COLORS: usize = 256;
 /// with fewer entries it would be prepared again.
 const FACETS: usize = 256;
 
-/// The changes of triangle in a run from which on it is worth looking for triangles that are not cached.
+/// The changes of triangle in a run from which on it is worth looking for triangles that are not cached: looking in every
+/// run took 5 to 9 % of the time of pictures with large triangles, from four changes on 2 %.
 const MANY: u32 = 4;
 
 /// The fewest triangles of a run whose colours are computed at once.

@@ -5,9 +5,9 @@ use glam::Vec3;
 /// the third.
 pub(crate) type CornerLanes = [[f32; LANES]; 9];
 
-/// The corners in a lane.
+/// The three vectors in a lane.
 #[inline(always)]
-pub(crate) fn corners_in_lane(all: &CornerLanes, lane: usize) -> [Vec3; 3] {
+pub(crate) fn vectors_in_lane(all: &CornerLanes, lane: usize) -> [Vec3; 3] {
     let [ax, ay, az, bx, by, bz, cx, cy, cz] = all;
     [
         Vec3::new(ax[lane], ay[lane], az[lane]),

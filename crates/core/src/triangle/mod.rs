@@ -17,5 +17,5 @@ mod watertight;
 
 pub(crate) use bounded_hit::BoundedHit;
 pub(crate) use componentwise::Determinant;
-pub(crate) use corner_lanes::{CornerLanes, corners_in_lane};
+pub(crate) use corner_lanes::{CornerLanes, vectors_in_lane};
 pub(crate) use watertight::PreparedRay;
