@@ -241,16 +241,20 @@ impl Scene {
     /// The bytes that the mip levels of its textures take once a filter needs them. A texture that several objects or
     /// materials share counts once.
     pub fn level_bytes(&self) -> u64 {
-        let objects = self.objects.iter();
-        let textures = objects.flat_map(|object| {
-            let materials = object.mesh.materials().iter();
-            let of_materials = materials.filter_map(|material| material.texture.as_ref());
-            object.texture.iter().chain(of_materials)
-        });
-        let distinct: BTreeMap<_, _> = textures
+        let distinct: BTreeMap<_, _> = self
+            .textures()
             .map(|texture| (Arc::as_ptr(texture), texture.level_bytes()))
             .collect();
         distinct.values().sum()
+    }
+
+    /// The textures of its objects and of their materials. One that several share comes several times.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = &Arc<Texture>> {
+        self.objects.iter().flat_map(|object| {
+            let materials = object.mesh.materials().iter();
+            let of_materials = materials.filter_map(|material| material.texture.as_ref());
+            object.texture.iter().chain(of_materials)
+        })
     }
 }
 

@@ -27,24 +27,28 @@ pub struct Texture {
     repeats: bool,
     crop: Option<Crop>,
     is_stand_in: bool,
-    levels: Levels,
+    derived: Derived,
 }
 
 /// Columns, rows and checks of a side of what stands in for an image; the checks' colours.
 const STAND_IN: (u32, u32) = (64, 8);
 const CHECKS: [[u8; 4]; 2] = [[0xff, 0x00, 0xff, 0xff], [0x20, 0x20, 0x20, 0xff]];
 
-/// A cache of the texture's mip levels. They follow from the texture and do not take part in comparisons.
+/// What rendering computes of a texture and keeps. It follows from the texture and does not take part in comparisons.
 #[derive(Clone, Debug, Default)]
-struct Levels(OnceLock<Vec<Texture>>);
+struct Derived {
+    levels: OnceLock<Vec<Texture>>,
+    light: OnceLock<Vec<[f32; 4]>>,
+    was_shown: OnceLock<()>,
+}
 
-impl PartialEq for Levels {
+impl PartialEq for Derived {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl Eq for Levels {}
+impl Eq for Derived {}
 
 impl Texture {
     /// A texture of `width × height` sRGB texels, rows from the top.
@@ -61,7 +65,7 @@ impl Texture {
             repeats: true,
             crop: None,
             is_stand_in: false,
-            levels: Levels::default(),
+            derived: Derived::default(),
         })
     }
 
@@ -78,7 +82,7 @@ impl Texture {
             repeats: true,
             crop,
             is_stand_in: true,
-            levels: Levels::default(),
+            derived: Derived::default(),
         };
         image.wrapped(wrap)
     }
@@ -93,7 +97,7 @@ impl Texture {
         Self {
             wrap,
             repeats: wrap == [Wrap::Repeat; 2],
-            levels: Levels::default(),
+            derived: Derived::default(),
             ..self
         }
     }
@@ -129,7 +133,21 @@ impl Texture {
 
     /// The mip levels; `make` computes them on first use.
     pub(crate) fn levels(&self, make: impl FnOnce(&Self) -> Vec<Self>) -> &[Self] {
-        self.levels.0.get_or_init(|| make(self))
+        self.derived.levels.get_or_init(|| make(self))
+    }
+
+    /// The texels in linear light, if they were kept.
+    #[inline]
+    pub(crate) fn light(&self) -> Option<&[[f32; 4]]> {
+        self.derived.light.get().map(Vec::as_slice)
+    }
+
+    /// Keeps the texels in linear light, which `decode` gives, from the second call on: for one picture it takes longer to
+    /// decode all texels than those that are shown.
+    pub(crate) fn keep_light(&self, decode: impl FnOnce(&Self) -> Vec<[f32; 4]>) {
+        if self.derived.was_shown.set(()).is_err() {
+            self.derived.light.get_or_init(|| decode(self));
+        }
     }
 
     /// Columns and rows of the mip levels: halved and rounded down, to one texel.
@@ -146,10 +164,14 @@ impl Texture {
         self.level_sizes().map(texels).sum::<u64>() * size_of::<[u8; 4]>() as u64
     }
 
-    /// The bytes of its texels, and of its mip levels once they were computed.
+    /// The bytes of its texels, and of its mip levels and the texels in linear light once they were computed.
     pub fn retained_bytes(&self) -> usize {
-        let levels = self.levels.0.get().map_or(&[][..], Vec::as_slice);
-        size_of_val(&self.texels[..]) + levels.iter().map(Self::retained_bytes).sum::<usize>()
+        let Derived { levels, light, .. } = &self.derived;
+        let levels = levels.get().map_or(&[][..], Vec::as_slice);
+        let light = light.get().map_or(&[][..], Vec::as_slice);
+        size_of_val(&self.texels[..])
+            + size_of_val(light)
+            + levels.iter().map(Self::retained_bytes).sum::<usize>()
     }
 
     /// The rectangle of the file's image that it shows; `None` for the whole image.

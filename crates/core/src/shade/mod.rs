@@ -56,6 +56,7 @@ mod spans;
 pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;
+mod texels;
 mod texture;
 mod tile;
 mod tile_rays;

@@ -3,9 +3,10 @@
 use super::facet::{Facet, Interpolation, Mapping};
 use super::interpolants::{eight_along, eight_weights_of};
 use super::numbers::Numbers;
-use super::sample::{TexelsAround, bilinear, is_read_at_once, nearest_of_eight, sample_eight};
+use super::sample::{TexelsAround, bilinear, nearest_of_eight, sample_eight};
 use super::spans::{COLUMNS, Span};
 use super::srgb::Tables;
+use super::texels::{TexelLight, is_read_at_once};
 use super::texture::triplanar::Triplanar;
 use super::vectors::{Row, Vectors};
 use super::{Filter, Shader};
@@ -59,6 +60,8 @@ impl<'s> Textured<'s> {
 pub(super) struct RowTextures {
     uv: [[Numbers<f64>; 2]; 3],
     weights: [Numbers<f32>; 3],
+    /// Indices of the texels that each sample is mixed of: of all four, or of the left ones.
+    at: [Numbers<u32>; 4],
     texels: [RowTexels; 4],
     /// How far samples lie from texels on their left to those on their right, and from those above to those below.
     fractions: [Numbers<f32>; 2],
@@ -67,8 +70,6 @@ pub(super) struct RowTextures {
 /// A texel for each sample of a row.
 #[derive(Clone, Copy)]
 struct RowTexels {
-    /// Indices in their texture.
-    at: Numbers<u32>,
     /// Linear light, and alpha, which is not multiplied in.
     color: [Numbers<f32>; 3],
     alpha: Numbers<u8>,
@@ -76,7 +77,6 @@ struct RowTexels {
 
 impl RowTexels {
     const NONE: Self = Self {
-        at: Numbers([0; COLUMNS + LANES]),
         color: [Numbers([0.0; COLUMNS + LANES]); 3],
         alpha: Numbers([0; COLUMNS + LANES]),
     };
@@ -84,11 +84,17 @@ impl RowTexels {
     /// Reads the texels of samples, and of up to seven after them. A loop of its own: numbers that are stored one by one
     /// are loaded as eight much later.
     #[inline(always)]
-    fn read(&mut self, tables: &Tables, texture: &Texture, (first, end): (usize, usize)) {
+    fn read(
+        &mut self,
+        tables: &Tables,
+        texture: &Texture,
+        at_all: &Numbers<u32>,
+        (first, end): (usize, usize),
+    ) {
         let texels = texture.texels();
         let [r, g, b] = &mut self.color;
         for at in (first..end).step_by(LANES) {
-            let indices = self.at.eight(at);
+            let indices = at_all.eight(at);
             let (r, g, b) = (r.eight_mut(at), g.eight_mut(at), b.eight_mut(at));
             let alpha = self.alpha.eight_mut(at);
             for lane in 0..LANES {
@@ -118,11 +124,34 @@ impl RowTexels {
     }
 }
 
+/// A texture, and how its texels are read.
+#[derive(Clone, Copy)]
+struct Image<'s> {
+    tables: &'s Tables,
+    texture: &'s Texture,
+    light: Option<TexelLight<'s>>,
+    filter: Filter,
+}
+
+impl<'s> Image<'s> {
+    #[inline(always)]
+    fn new(shader: &'s Shader<'_>, texture: &'s Texture) -> Self {
+        let filter = shader.filter();
+        Self {
+            tables: shader.tables,
+            texture,
+            light: TexelLight::of(texture).filter(|_| filter == Filter::Bilinear),
+            filter,
+        }
+    }
+}
+
 impl RowTextures {
     pub(super) fn new() -> Self {
         Self {
             uv: [[Numbers::all(0.0); 2]; 3],
             weights: [Numbers::all(0.0); 3],
+            at: [Numbers::all(0); 4],
             texels: [RowTexels::NONE; 4],
             fractions: [Numbers::all(0.0); 2],
         }
@@ -212,35 +241,39 @@ impl RowTextures {
 
     /// Reads the texels of a side that samples are mixed of.
     #[inline(always)]
-    fn read(
-        &mut self,
-        shader: &Shader<'_>,
-        texture: &Texture,
-        side: usize,
-        samples: (usize, usize),
-    ) {
+    fn read(&mut self, image: Image<'_>, side: usize, samples: (usize, usize)) {
+        let Image {
+            tables,
+            texture,
+            light,
+            filter,
+        } = image;
         if !is_read_at_once(texture) {
             return;
         }
         let [xs, ys] = &self.uv[side];
-        let is_nearest = shader.filter() == Filter::Nearest;
+        let is_nearest = filter == Filter::Nearest;
         for at in eights(samples) {
             let uv = [*xs.eight(at), *ys.eight(at)];
             if is_nearest {
-                *self.texels[0].at.eight_mut(at) = nearest_of_eight(texture, &uv);
+                *self.at[0].eight_mut(at) = nearest_of_eight(texture, &uv);
                 continue;
             }
             let around = TexelsAround::of_eight(texture, &uv);
-            for (texels, indices) in self.texels.iter_mut().zip(around.at) {
-                *texels.at.eight_mut(at) = indices;
+            match light {
+                Some(light) => set(&mut self.at, at, around.lefts(light.stride())),
+                None => set(&mut self.at, at, around.all(texture.width())),
             }
             let [across, down] = &mut self.fractions;
             *across.eight_mut(at) = around.across;
             *down.eight_mut(at) = around.down;
         }
+        if light.is_some() {
+            return;
+        }
         let count = if is_nearest { 1 } else { 4 };
-        for texels in &mut self.texels[..count] {
-            texels.read(shader.tables, texture, samples);
+        for (texels, indices) in self.texels[..count].iter_mut().zip(&self.at) {
+            texels.read(tables, texture, indices, samples);
         }
     }
 
@@ -249,25 +282,40 @@ impl RowTextures {
     fn texel<L: Lanes>(
         &self,
         lanes: L,
-        shader: &Shader<'_>,
-        texture: &Texture,
+        image: Image<'_>,
         (side, at): (usize, usize),
     ) -> (Vectors<L>, L::F32) {
+        let Image {
+            tables,
+            texture,
+            light,
+            filter,
+        } = image;
         if !is_read_at_once(texture) {
             let [xs, ys] = &self.uv[side];
             let uv = [*xs.eight(at), *ys.eight(at)];
-            return sample_eight(lanes, shader.tables, texture, &uv, shader.filter());
+            return sample_eight(lanes, tables, texture, &uv, filter);
         }
-        if shader.filter() == Filter::Nearest {
+        if filter == Filter::Nearest {
             return self.texels[0].eight(lanes, at);
         }
-        let [a, b, c, d] = &self.texels;
-        let texels = [
-            a.eight(lanes, at),
-            b.eight(lanes, at),
-            c.eight(lanes, at),
-            d.eight(lanes, at),
-        ];
+        let texels = match light {
+            Some(light) => {
+                let [above, below, ..] = &self.at;
+                let [a, b] = light.eight_pairs(lanes, above.eight(at));
+                let [c, d] = light.eight_pairs(lanes, below.eight(at));
+                [a, b, c, d]
+            }
+            None => {
+                let [a, b, c, d] = &self.texels;
+                [
+                    a.eight(lanes, at),
+                    b.eight(lanes, at),
+                    c.eight(lanes, at),
+                    d.eight(lanes, at),
+                ]
+            }
+        };
         let [across, down] = &self.fractions;
         bilinear(lanes, texels, [across.eight(at), down.eight(at)])
     }
@@ -292,19 +340,20 @@ impl Work for ColorTextured<'_> {
             own,
             samples,
         } = self;
+        let image = Image::new(shader, textured.texture);
         if textured.triplanar.is_none() {
-            textures.read(shader, textured.texture, 0, samples);
+            textures.read(image, 0, samples);
             for at in eights(samples) {
-                let texel = textures.texel(lanes, shader, textured.texture, (0, at));
+                let texel = textures.texel(lanes, image, (0, at));
                 mix(lanes, textured, shader.blend(), texel, own, at);
             }
             return;
         }
         let mut sums = [Numbers::all(0.0); 4];
         for side in 0..3 {
-            textures.read(shader, textured.texture, side, samples);
+            textures.read(image, side, samples);
             for at in eights(samples) {
-                let (color, alpha) = textures.texel(lanes, shader, textured.texture, (side, at));
+                let (color, alpha) = textures.texel(lanes, image, (side, at));
                 let weight = lanes.load(textures.weights[side].eight(at));
                 let [x, y, z] = color.scaled(weight).xyz();
                 for (sum, part) in sums.iter_mut().zip([x, y, z, alpha * weight]) {
@@ -323,6 +372,14 @@ impl Work for ColorTextured<'_> {
             let texel = (Vectors::new(lanes, texel), lanes.load(alphas.eight(at)));
             mix(lanes, textured, shader.blend(), texel, own, at);
         }
+    }
+}
+
+/// Writes eight samples' indices.
+#[inline(always)]
+fn set<const N: usize>(all: &mut [Numbers<u32>], at: usize, indices: [[u32; LANES]; N]) {
+    for (all, indices) in all.iter_mut().zip(indices) {
+        *all.eight_mut(at) = indices;
     }
 }
 

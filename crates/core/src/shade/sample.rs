@@ -2,6 +2,7 @@
 
 use super::Filter;
 use super::srgb::Tables;
+use super::texels::{TexelLight, is_read_at_once, read_eight, texel};
 use super::vectors::{Row, Rows, Vectors};
 use crate::num::simd::{LANES, Lanes};
 use crate::scene::{Texture, Wrap};
@@ -60,21 +61,25 @@ pub(super) fn sample_eight<L: Lanes>(
     if filter == Filter::Nearest {
         return read_eight(lanes, tables, texture, &nearest_of_eight(texture, uv));
     }
-    let TexelsAround { at, across, down } = TexelsAround::of_eight(texture, uv);
-    let [a, b, c, d] = &at;
-    let texels = [
-        read_eight(lanes, tables, texture, a),
-        read_eight(lanes, tables, texture, b),
-        read_eight(lanes, tables, texture, c),
-        read_eight(lanes, tables, texture, d),
-    ];
-    bilinear(lanes, texels, [&across, &down])
-}
-
-/// Whether texels of eight samples are found at once. Numbers of texels fit 32 bits, and so do columns and rows.
-#[inline(always)]
-pub(super) fn is_read_at_once(texture: &Texture) -> bool {
-    texture.repeats() && i32::try_from(texture.texels().len()).is_ok()
+    let around = TexelsAround::of_eight(texture, uv);
+    let texels = match TexelLight::of(texture) {
+        Some(light) => {
+            let [above, below] = around.lefts(light.stride());
+            let [a, b] = light.eight_pairs(lanes, &above);
+            let [c, d] = light.eight_pairs(lanes, &below);
+            [a, b, c, d]
+        }
+        None => {
+            let [a, b, c, d] = &around.all(texture.width());
+            [
+                read_eight(lanes, tables, texture, a),
+                read_eight(lanes, tables, texture, b),
+                read_eight(lanes, tables, texture, c),
+                read_eight(lanes, tables, texture, d),
+            ]
+        }
+    };
+    bilinear(lanes, texels, [&around.across, &around.down])
 }
 
 /// The places of eight samples in texels, columns and rows, from the image's left and top.
@@ -107,8 +112,10 @@ pub(super) fn nearest_of_eight(texture: &Texture, uv: &[[f64; LANES]; 2]) -> [u3
 
 /// The texels around eight samples.
 pub(super) struct TexelsAround {
-    /// Their indices: top left, top right, bottom left, bottom right.
-    pub(super) at: [[u32; LANES]; 4],
+    lefts: [u32; LANES],
+    rights: [u32; LANES],
+    tops: [u32; LANES],
+    bottoms: [u32; LANES],
     /// How far the samples lie from the left ones to the right ones, and from the top to the bottom.
     pub(super) across: Row,
     pub(super) down: Row,
@@ -117,19 +124,40 @@ pub(super) struct TexelsAround {
 impl TexelsAround {
     #[inline(always)]
     pub(super) fn of_eight(texture: &Texture, uv: &[[f64; LANES]; 2]) -> Self {
-        let (width, height) = (texture.width(), texture.height());
         let [xs, ys] = in_texels(texture, uv);
-        let (lefts, rights, across) = eight_neighbors(&xs, width);
-        let (tops, bottoms, down) = eight_neighbors(&ys, height);
-        let mut at = [[0; LANES]; 4];
-        for lane in 0..LANES {
-            let (top, bottom) = (tops[lane] * width, bottoms[lane] * width);
-            at[0][lane] = top + lefts[lane];
-            at[1][lane] = top + rights[lane];
-            at[2][lane] = bottom + lefts[lane];
-            at[3][lane] = bottom + rights[lane];
+        let (lefts, rights, across) = eight_neighbors(&xs, texture.width());
+        let (tops, bottoms, down) = eight_neighbors(&ys, texture.height());
+        Self {
+            lefts,
+            rights,
+            tops,
+            bottoms,
+            across,
+            down,
         }
-        Self { at, across, down }
+    }
+
+    /// Their indices in rows of this length: top left, top right, bottom left, bottom right.
+    #[inline(always)]
+    pub(super) fn all(&self, stride: u32) -> [[u32; LANES]; 4] {
+        let [top_lefts, bottom_lefts] = self.lefts(stride);
+        let (mut top_rights, mut bottom_rights) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            top_rights[lane] = self.tops[lane] * stride + self.rights[lane];
+            bottom_rights[lane] = self.bottoms[lane] * stride + self.rights[lane];
+        }
+        [top_lefts, top_rights, bottom_lefts, bottom_rights]
+    }
+
+    /// The indices of those on the left: top and bottom.
+    #[inline(always)]
+    pub(super) fn lefts(&self, stride: u32) -> [[u32; LANES]; 2] {
+        let (mut tops, mut bottoms) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            tops[lane] = self.tops[lane] * stride + self.lefts[lane];
+            bottoms[lane] = self.bottoms[lane] * stride + self.lefts[lane];
+        }
+        [tops, bottoms]
     }
 }
 
@@ -188,38 +216,6 @@ fn eight_neighbors(places: &[f64; LANES], size: u32) -> ([u32; LANES], [u32; LAN
 fn whole(integer: f64) -> u32 {
     const SHIFT: f64 = (3u64 << 51) as f64;
     (integer + SHIFT).to_bits() as u32
-}
-
-/// Eight texels in linear light, alpha multiplied in, and their alphas.
-#[inline(always)]
-fn read_eight<L: Lanes>(
-    lanes: L,
-    tables: &Tables,
-    texture: &Texture,
-    at: &[u32; LANES],
-) -> (Vectors<L>, L::F32) {
-    let texels = texture.texels();
-    let mut color = Rows::ZERO;
-    let mut alphas = [0; LANES];
-    let mut least = u8::MAX;
-    for (lane, &at) in at.iter().enumerate() {
-        let [r, g, b, a] = texels[at as usize];
-        color.0[0][lane] = tables.decode(r);
-        color.0[1][lane] = tables.decode(g);
-        color.0[2][lane] = tables.decode(b);
-        alphas[lane] = a;
-        least &= a;
-    }
-    let color = Vectors::load(lanes, &color);
-    if least == u8::MAX {
-        return (color, lanes.splat(1.0));
-    }
-    let mut all = [0.0; LANES];
-    for lane in 0..LANES {
-        all[lane] = f32::from(alphas[lane]);
-    }
-    let alpha = lanes.load(&all) / 255.0;
-    (color.scaled(alpha), alpha)
 }
 
 #[inline(always)]
@@ -305,23 +301,10 @@ fn neighbors(place: f64, size: u32) -> (u32, u32, f32) {
     (first, second, (from_center - before) as f32)
 }
 
-/// A texel; the one after the last is the first.
-fn texel(tables: &Tables, texture: &Texture, x: u32, y: u32) -> [f32; 4] {
-    let x = if x < texture.width() { x } else { 0 };
-    let y = if y < texture.height() { y } else { 0 };
-    let index = y as usize * texture.width() as usize + x as usize;
-    let [r, g, b, a] = texture.texels()[index];
-    let color = [r, g, b].map(|byte| tables.decode(byte));
-    if a == u8::MAX {
-        return [color[0], color[1], color[2], 1.0];
-    }
-    let alpha = f32::from(a) / 255.0;
-    [color[0] * alpha, color[1] * alpha, color[2] * alpha, alpha]
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::srgb::tables;
+    use super::super::texels::decoded;
     use super::*;
     use crate::num::simd::{F32x8, Simd, Work, dispatch};
     use crate::random::Random;
@@ -452,7 +435,9 @@ mod tests {
             let texels = (0..width * height).map(texel).collect();
             let texture = Texture::new(width, height, texels).expect("a good texture");
             let clamped = texture.clone().wrapped([Wrap::Clamp, Wrap::Mirror]);
-            for texture in [&texture, &clamped] {
+            let kept = texture.clone();
+            (0..2).for_each(|_| kept.keep_light(|kept| decoded(tables(), kept)));
+            for texture in [&texture, &clamped, &kept] {
                 for round in 0..200 {
                     let mut coordinate = |size: u32| {
                         let near = (random.signed() * 40.0).round() / f64::from(size * 2);

@@ -8,6 +8,7 @@ use crate::scene::{Object, Reflectance, Scene, Texture};
 use crate::shade::facet::{Mapping, blend};
 use crate::shade::sample::sample;
 use crate::shade::srgb::{self, Tables};
+use crate::shade::texels;
 use crate::shade::{Filter, Shading};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -33,6 +34,10 @@ impl Texturing {
             let has_texture = object.has_texture();
             has_texture.then(|| ObjectMapping::new(object, shading.projection, origin))?
         };
+        let tables = srgb::tables();
+        if is_shown && shading.filter == Filter::Bilinear {
+            texels::keep(tables, scene);
+        }
         Self {
             mappings: if is_shown {
                 scene.objects.iter().map(mapping).collect()
@@ -40,7 +45,7 @@ impl Texturing {
                 Vec::new()
             },
             shading,
-            tables: srgb::tables(),
+            tables,
         }
     }
 
