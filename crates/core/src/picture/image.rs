@@ -1,6 +1,6 @@
 use super::buffers::filled;
 use super::{ImageError, OutOfMemory};
-use crate::camera::{Grid, Rect};
+use crate::camera::Rect;
 
 /// The most pixels of a file that is decoded at once.
 pub(super) const DECODED_LIMIT: u64 = 1 << 30;
@@ -158,45 +158,13 @@ impl Picture {
         Ok(rest)
     }
 
-    /// Splits the picture into strips of a grid's tiles, for workers that fill them in parallel: every tile once, in
-    /// the order of [`Grid::tiles`]. `most` gives the largest number of tiles of a strip when so many tiles are left.
-    pub fn strips(&mut self, grid: Grid, most: impl Fn(usize) -> usize) -> Vec<Strip<'_>> {
-        let (across, _) = grid.counts(self.width, self.height);
-        let tiles = grid.tiles(self.width, self.height);
-        let mut strips: Vec<Strip<'_>> = Vec::new();
-        let mut rest = &mut self.pixels[..];
-        let mut left = tiles.len();
-        for band in tiles.chunks(across.max(1) as usize) {
-            let first = strips.len();
-            let most = most(left).max(1);
-            left -= band.len();
-            strips.extend(band.chunks(most).map(|tiles| Strip {
-                tiles: tiles.to_vec(),
-                rows: Vec::with_capacity(tiles[0].height as usize),
-            }));
-            for _ in 0..band[0].height {
-                for strip in &mut strips[first..] {
-                    let columns: u32 = strip.tiles.iter().map(|tile| tile.width).sum();
-                    let columns = (columns as usize).min(rest.len());
-                    let (row, after) = std::mem::take(&mut rest).split_at_mut(columns);
-                    strip.rows.push(row);
-                    rest = after;
-                }
-            }
-        }
-        strips
-    }
-
     /// Copies a rectangle's pixels (and layers, where both have them) into the picture.
     ///
     /// Returns `false`, without copying, where the rectangle leaves the picture or a list has a wrong length.
     pub fn paste(&mut self, rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
         let fits = u64::from(rect.x) + u64::from(rect.width) <= u64::from(self.width)
             && u64::from(rect.y) + u64::from(rect.height) <= u64::from(self.height);
-        let counts_agree = pixels.len() == rect.area()
-            && layers
-                .is_none_or(|layers| layers.lengths().iter().all(|&count| count == rect.area()));
-        if !fits || !counts_agree {
+        if !fits || !have_pixels(rect, pixels, layers) {
             return false;
         }
         let width = self.width as usize;
@@ -213,24 +181,10 @@ impl Picture {
     }
 }
 
-/// Adjacent tiles of a picture's row of tiles.
-#[derive(Debug)]
-pub struct Strip<'p> {
-    /// Their rectangles, from left to right, of equal height.
-    pub tiles: Vec<Rect>,
-    /// The pixels of all of them, row by row.
-    pub rows: Vec<&'p mut [[u8; 4]]>,
-}
-
-impl Strip<'_> {
-    /// The rows of a rectangle within the tiles, of their height.
-    pub fn rows_of(&mut self, rect: Rect) -> impl Iterator<Item = &mut [[u8; 4]]> {
-        let left = self.tiles.first().map_or(rect.x, |first| first.x);
-        let columns = (rect.x - left) as usize..(rect.x - left + rect.width) as usize;
-        self.rows
-            .iter_mut()
-            .filter_map(move |row| row.get_mut(columns.clone()))
-    }
+/// Whether lists have as many values as a rectangle has pixels.
+pub(super) fn have_pixels(rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
+    let mut lengths = layers.iter().flat_map(|layers| layers.lengths());
+    pixels.len() == rect.area() && lengths.all(|count| count == rect.area())
 }
 
 /// Copies a rectangle's rows into a picture `width` wide.

@@ -93,17 +93,18 @@ impl View {
             }
             return is_done;
         }
-        let tiles = grid.tiles(rect.width, rect.height);
-        let picture = Mutex::new(picture);
+        let strips = picture.strips(grid, |_| 1);
+        let strips: Vec<_> = strips.into_iter().map(Mutex::new).collect();
         let pattern = self.settings.sample_pattern();
-        in_parallel(tiles.len(), cancel, buffers, |buffers, index| {
-            let mut tile = self.finish(part.part(tiles[index]), &pattern, clock, buffers);
-            tile.draw(legend.as_ref());
-            let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
-            picture.paste(tiles[index], &tile.pixels, tile.layers.as_ref());
-            drop(picture);
-            buffers.layers = tile.layers;
-            sink(&tile.stats);
+        in_parallel(strips.len(), cancel, buffers, |buffers, index| {
+            let mut strip = strips[index].lock().unwrap_or_else(PoisonError::into_inner);
+            for rect in strip.tiles.clone() {
+                let mut tile = self.finish(part.part(rect), &pattern, clock, buffers);
+                tile.draw(legend.as_ref());
+                strip.paste(rect, &tile.pixels, tile.layers.as_ref());
+                buffers.layers = tile.layers;
+                sink(&tile.stats);
+            }
         })
     }
 
