@@ -33,12 +33,18 @@ impl Work for FlatColors<'_, '_> {
             Vectors::load(lanes, &normals),
             Vectors::load(lanes, &to_eye),
         );
-        let mut own = Rows::ZERO;
-        for (lane, &primitive) in primitives.iter().enumerate() {
-            let (object, number) = shader.accel().identify(primitive);
-            own.set(lane, shader.triangle_color(object, number, primitive));
-        }
-        let lit = Vectors::load(lanes, &own).times(light);
+        let own = match shader.only_color() {
+            Some(color) => Vectors::splat(lanes, color),
+            None => {
+                let mut own = Rows::ZERO;
+                for (lane, &primitive) in primitives.iter().enumerate() {
+                    let (object, number) = shader.accel().identify(primitive);
+                    own.set(lane, shader.triangle_color(object, number, primitive));
+                }
+                Vectors::load(lanes, &own)
+            }
+        };
+        let lit = own.times(light);
         shader.tables.encode_row(lanes, lit, colors);
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct OwnColors {
     plain: Color,
     /// Whether colours may vary within a triangle.
     pub(super) vary: bool,
+    /// The colour of all triangles, where rules give all of them one; `None` where they may not.
+    pub(super) only: Option<Vec3>,
 }
 
 /// A triangle's position, as far as rules need it.
@@ -61,6 +63,7 @@ pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -
         colorless_differ: shading.mode == Mode::Color,
         plain: shading.plain_color,
         vary: true,
+        only: None,
     };
     let eye = camera.pose().eye;
     let offset = of.mesh.offset();
@@ -78,6 +81,23 @@ pub fn own_color(scene: &Scene, camera: &Camera, shading: &Shading, hit: &Hit) -
     };
     let [r, g, b, _] = srgb::encode([color.x, color.y, color.z, 1.0]);
     Some(Color([r, g, b]))
+}
+
+/// The colour of all triangles of some objects, where their rules give all of them one.
+fn only_color(objects: &[Object], shading: &Shading) -> Option<Color> {
+    let of_object = |object: &Object| match object.color {
+        ColorRule::Uniform(color) => Some(color),
+        ColorRule::File => {
+            let mesh = &object.mesh;
+            let is_plain = mesh.materials().is_empty() && mesh.vertex_colors().is_empty();
+            (is_plain && shading.mode != Mode::Color).then_some(shading.plain_color)
+        }
+        _ => None,
+    };
+    let (first, others) = objects.split_first()?;
+    let color = of_object(first)?;
+    let is_only = |object: &Object| of_object(object) == Some(color);
+    others.iter().all(is_only).then_some(color)
 }
 
 impl OwnColors {
@@ -125,6 +145,7 @@ impl OwnColors {
             plain: shading.plain_color,
             colorless_differ: shading.mode == Mode::Color,
             vary: objects.iter().any(within),
+            only: only_color(objects, shading).map(srgb::linear),
         }
     }
 
@@ -137,6 +158,9 @@ impl OwnColors {
         triangle: u32,
         place: impl FnOnce() -> PlacedCorners,
     ) -> Vec3 {
+        if let Some(only) = self.only {
+            return only;
+        }
         match &object.color {
             ColorRule::File => srgb::linear(self.of_file(object, triangle)),
             ColorRule::Uniform(color) => srgb::linear(*color),

@@ -1,14 +1,15 @@
 //! Pictures of each colour rule, against values computed by hand.
 
+use super::own_color::{OwnColors, own_color};
 use super::ramp::NO_NUMBER;
 use super::*;
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
-use crate::hit::{Cull, Precision, PrimitiveHit};
+use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
-    Color, ColorMap, ColorRule, ColorScale, Curvature, Mesh, MeshData, Object, Quantity, Scalar,
-    ScalarAt, Scene, Shape, Transform,
+    Color, ColorMap, ColorRule, ColorScale, Curvature, Material, Mesh, MeshData, Object, Quantity,
+    Scalar, ScalarAt, Scene, Shape, Transform,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -352,4 +353,89 @@ fn a_hits_own_color_is_what_a_picture_without_light_shows() {
             assert!(shown.clone().all(near), "{rule}: {color} {:?}", [r, g, b]);
         }
     }
+}
+
+/// The colour that a picture takes for that of all triangles, against those of the triangles.
+#[test]
+fn one_color_of_all_triangles_is_that_of_each() {
+    let of_mesh = |change: &dyn Fn(&mut MeshData)| {
+        let mut data = MeshData {
+            positions: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE].to_vec(),
+            triangles: vec![[0, 1, 2], [1, 3, 2]],
+            ..MeshData::default()
+        };
+        change(&mut data);
+        Object::new("a", Arc::new(Mesh::new(data)))
+    };
+    let red = Color([255, 0, 0]);
+    let file = of_mesh(&|_| {});
+    let with_material = of_mesh(&|data| data.materials = vec![Material::new("red", red)]);
+    let with_colors = of_mesh(&|data| data.colors = vec![Some(red); 4]);
+    let ruled = |rule: &str| {
+        let mut object = file.clone();
+        object.color = rule.parse().expect("a rule");
+        object
+    };
+    let plain = Shading::default().plain_color;
+    let [r, g, b] = plain.0;
+    let as_plain = ruled(&format!("#{r:02x}{g:02x}{b:02x}"));
+    let hidden = |mut object: Object| {
+        object.visible = false;
+        object
+    };
+    for (objects, mode, expected) in [
+        (vec![file.clone()], Mode::Flat, Some(plain)),
+        (vec![file.clone()], Mode::Color, None),
+        (
+            vec![file.clone(), as_plain.clone()],
+            Mode::Smooth,
+            Some(plain),
+        ),
+        (vec![file.clone(), ruled("#f00")], Mode::Flat, None),
+        (
+            vec![ruled("#f00"), ruled("#ff0000")],
+            Mode::Color,
+            Some(red),
+        ),
+        (vec![with_material], Mode::Flat, None),
+        (vec![as_plain, with_colors], Mode::Flat, None),
+        (vec![ruled("object")], Mode::Flat, None),
+        (vec![ruled("per-triangle")], Mode::Flat, None),
+        (vec![ruled("normal")], Mode::Flat, None),
+        (vec![ruled("area")], Mode::Flat, None),
+        (vec![hidden(ruled("#0f0")), ruled("#f00")], Mode::Flat, None),
+        (vec![], Mode::Flat, None),
+    ] {
+        let scene = Scene { objects };
+        let shading = Shading {
+            mode,
+            ..Shading::default()
+        };
+        let camera = camera(Projection::Perspective);
+        let colors = OwnColors::new(&scene, &camera, &shading, true);
+        assert_eq!(colors.only, expected.map(srgb::linear), "{mode:?}");
+        let Some(expected) = expected else {
+            continue;
+        };
+        for (number, triangle) in (0..scene.objects.len() as u32).flat_map(|n| [(n, 0), (n, 1)]) {
+            let hit = Hit {
+                t: 1.0,
+                u: 0.3,
+                v: 0.3,
+                object: number,
+                triangle,
+            };
+            assert_eq!(own_color(&scene, &camera, &shading, &hit), Some(expected));
+        }
+    }
+    assert!(
+        OwnColors::new(
+            &Scene::default(),
+            &camera(Projection::Perspective),
+            &Shading::default(),
+            false
+        )
+        .only
+        .is_none()
+    );
 }

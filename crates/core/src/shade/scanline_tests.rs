@@ -171,9 +171,13 @@ fn rows_of_small_triangles_have_the_colours_of_their_samples() {
     let without = Object::new("without normals", crumbs(&mut random, false));
     let floor = quad(FLOOR, false);
     let instances = vec![with.clone(), turned, without.clone(), floor.clone()];
-    let scenes = [vec![with, without, floor], instances];
+    let mut of_one_color = vec![with.clone(), without.clone(), floor.clone()];
+    for object in &mut of_one_color {
+        object.color = ColorRule::Uniform(Color([30, 200, 90]));
+    }
+    let scenes = [vec![with, without, floor], instances, of_one_color];
     // Far from zero the eye is rounded by so much that some of the triangles have no linear functions.
-    for (objects, x) in scenes.into_iter().zip([0.0, 3e5]) {
+    for (objects, x) in scenes.into_iter().zip([0.0, 3e5, 0.0]) {
         let mut scene = Scene { objects };
         for object in &mut scene.objects {
             object.transform.translate.x = x;

@@ -164,6 +164,12 @@ impl Shader<'_> {
         (self.own_colors).of_triangle(number, object, triangle, place)
     }
 
+    /// The colour of all triangles, where they have one.
+    #[inline(always)]
+    pub(in crate::shade) fn only_color(&self) -> Option<Vec3> {
+        self.own_colors.only.filter(|_| self.backs.is_none())
+    }
+
     /// A triangle in world space, for colour rules that depend on it.
     fn placed(&self, number: u32, primitive: u32, x: f64) -> PlacedCorners {
         PlacedCorners {
