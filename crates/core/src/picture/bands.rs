@@ -355,7 +355,7 @@ pub(super) fn encode(
 
 #[cfg(test)]
 mod tests {
-    use super::super::fragment::tests::sample_picture;
+    use super::super::fragment::tests::{cut_picture, sample_picture};
     use super::super::recipe::tests::sample_recipe;
     use super::super::{Fragment, Part, RowReader};
     use super::*;
@@ -379,7 +379,7 @@ mod tests {
         let mut sizes = Vec::new();
         for index in 0..bands.len() {
             let rect = bands.rect(index);
-            let part = cut(picture, rect);
+            let part = cut_picture(picture, rect);
             see(&part);
             let band = bands.encode(index, &part, rect.y).expect("encodes");
             assert_eq!(band.sizes.bytes(), band.bytes.len() as u64);
@@ -388,31 +388,6 @@ mod tests {
             sizes.push(band.sizes);
         }
         (file, sizes)
-    }
-
-    fn cut(picture: &Picture, rect: Rect) -> Picture {
-        let all = Rect {
-            x: 0,
-            y: 0,
-            width: picture.width,
-            height: picture.height,
-        };
-        assert_eq!(rect.width, all.width);
-        let range =
-            rect.y as usize * all.width as usize..rect.bottom() as usize * all.width as usize;
-        Picture {
-            width: rect.width,
-            height: rect.height,
-            pixels: picture.pixels[range.clone()].to_vec(),
-            layers: picture.layers.as_ref().map(|layers| super::super::Layers {
-                color: layers.color[range.clone()].to_vec(),
-                depth: layers.depth[range.clone()].to_vec(),
-                object: layers.object[range.clone()].to_vec(),
-                triangle: layers.triangle[range.clone()].to_vec(),
-                normal: layers.normal[range.clone()].to_vec(),
-                uv: layers.uv[range].to_vec(),
-            }),
-        }
     }
 
     #[test]

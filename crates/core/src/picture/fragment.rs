@@ -190,6 +190,24 @@ pub(super) mod tests {
             .collect()
     }
 
+    /// A rectangle of a picture.
+    pub(in crate::picture) fn cut_picture(picture: &Picture, rect: Rect) -> Picture {
+        let width = picture.width;
+        Picture {
+            width: rect.width,
+            height: rect.height,
+            pixels: cut(&picture.pixels, width, rect),
+            layers: picture.layers.as_ref().map(|layers| Layers {
+                color: cut(&layers.color, width, rect),
+                depth: cut(&layers.depth, width, rect),
+                object: cut(&layers.object, width, rect),
+                triangle: cut(&layers.triangle, width, rect),
+                normal: cut(&layers.normal, width, rect),
+                uv: cut(&layers.uv, width, rect),
+            }),
+        }
+    }
+
     /// The fragments of a picture, after encoding and decoding.
     pub(in crate::picture) fn fragments(
         picture: &Picture,
@@ -204,19 +222,7 @@ pub(super) mod tests {
                 let fragment = Fragment {
                     rect,
                     recipe: sample_recipe(width, picture.height),
-                    picture: Picture {
-                        width: rect.width,
-                        height: rect.height,
-                        pixels: cut(&picture.pixels, width, rect),
-                        layers: picture.layers.as_ref().map(|layers| Layers {
-                            color: cut(&layers.color, width, rect),
-                            depth: cut(&layers.depth, width, rect),
-                            object: cut(&layers.object, width, rect),
-                            triangle: cut(&layers.triangle, width, rect),
-                            normal: cut(&layers.normal, width, rect),
-                            uv: cut(&layers.uv, width, rect),
-                        }),
-                    },
+                    picture: cut_picture(picture, rect),
                 };
                 let name = format!("part-{index}");
                 let bytes = fragment.encode(format).expect("encodes");

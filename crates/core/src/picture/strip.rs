@@ -149,3 +149,43 @@ fn deal<'p, T>(mut values: &'p mut [T], strips: &[Vec<Rect>]) -> Vec<Vec<&'p mut
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::fragment::tests::{cut_picture, sample_picture};
+
+    #[test]
+    fn tiles_pasted_into_strips_are_the_picture() {
+        for (width, height) in [(23, 17), (8, 8), (1, 30)] {
+            for (grid, most) in [(8, 1), (8, 2), (5, 99), (64, 3)] {
+                for has_layers in [false, true] {
+                    let whole = sample_picture(width, height, has_layers);
+                    let mut pasted = Picture::blank(width, height, has_layers);
+                    for mut strip in pasted.strips(Grid::Size(grid), |_| most) {
+                        assert!((1..=most).contains(&strip.tiles.len()));
+                        for tile in strip.tiles.clone() {
+                            let part = cut_picture(&whole, tile);
+                            assert!(strip.paste(tile, &part.pixels, part.layers.as_ref()));
+                        }
+                    }
+                    assert_eq!(pasted, whole, "{width} {height} {grid} {most}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lists_of_another_length_are_not_pasted() {
+        let whole = sample_picture(9, 4, true);
+        let mut blank = Picture::blank(9, 4, true);
+        for mut strip in blank.strips(Grid::Size(64), |_| 1) {
+            let tile = strip.tiles[0];
+            assert!(!strip.paste(tile, &whole.pixels[1..], None));
+            let mut layers = whole.layers.clone().expect("layers");
+            layers.normal.pop();
+            assert!(!strip.paste(tile, &whole.pixels, Some(&layers)));
+        }
+        assert_eq!(blank, Picture::blank(9, 4, true));
+    }
+}
