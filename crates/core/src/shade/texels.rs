@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// The most texels of a scene's textures that are kept in linear light, 16 MB. What does not stay in a processor's caches is
 /// slower than looking up bytes: on one whose third level has 32 MB, textured pictures took a fifth less time with one
-/// texture of 512² texels, an eighth less with 1024², and an eighth more with 2048².
+/// texture of 512² texels, a seventh less with 1024², and an eighth more with 2048².
 const MOST_TEXELS: usize = 1 << 20;
 
 /// The most textures that are looked through for each picture.
