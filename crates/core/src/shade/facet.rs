@@ -196,8 +196,9 @@ impl SurfaceTriangle {
 /// `corners` are single-precision coordinates less those of the eye. With an orthographic camera, whose rays do not start
 /// at the eye, `forward` decides the side.
 ///
-/// No product overflows or underflows: coordinates of edges are zero or from 2⁻¹⁵⁰ to 2¹²⁹, so those of the cross product
-/// are zero or from 2⁻³⁵³, the last place of the least product, to 2²⁵⁹, and their squares are in range too.
+/// No product overflows or underflows. Coordinates of edges are differences of single-precision numbers, with their
+/// rounding zero or from 2⁻¹⁵⁰ to 2¹³⁰; so those of the cross product are zero or from 2⁻³⁵³, the last place of the least
+/// product, to 2²⁶¹, and their squares are in range too.
 #[inline(always)]
 pub(super) fn facing_normal(corners: [DVec3; 3], forward: Option<DVec3>) -> Vec3 {
     let [a, b, c] = corners;

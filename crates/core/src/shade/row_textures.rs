@@ -88,13 +88,13 @@ impl RowTexels {
         &mut self,
         tables: &Tables,
         texture: &Texture,
-        at_all: &Numbers<u32>,
+        indices: &Numbers<u32>,
         (first, end): (usize, usize),
     ) {
         let texels = texture.texels();
         let [r, g, b] = &mut self.color;
         for at in (first..end).step_by(LANES) {
-            let indices = at_all.eight(at);
+            let indices = indices.eight(at);
             let (r, g, b) = (r.eight_mut(at), g.eight_mut(at), b.eight_mut(at));
             let alpha = self.alpha.eight_mut(at);
             for lane in 0..LANES {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// texture of 512² texels, a seventh less with 1024², and an eighth more with 2048².
 const MOST_TEXELS: usize = 1 << 20;
 
-/// The most textures that are looked through for each picture.
+/// The most textures of such a scene: for each picture, those of all objects are compared with them.
 const MOST_TEXTURES: usize = 64;
 
 /// A texel; the one after the last is the first.
