@@ -123,6 +123,8 @@ fn field(
     let edit = egui::TextEdit::singleline(&mut text)
         .hint_text(hint)
         .desired_width(ui.available_width() - 122.0);
+    // What the popup accepts by Enter, the field does not get.
+    let enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
     // Enter accepts a name to open: where something completes it, no file has it. One to save may be new.
     let accepting: &[egui::Key] = match prompt.kind.saves() {
         true => &[egui::Key::Tab],
@@ -134,10 +136,12 @@ fn field(
         .accept_keys(accepting);
     let output = popup.show(ui, edit, |query| suggestions(prompt, query));
     let response = output.text_edit.response.response.labelled_by(label);
+    // After a folder's name, which ends in a separator, comes a name in it; a file's is all that was asked for.
+    let is_file = output.accepted.is_some() && !text.ends_with(std::path::is_separator);
     if response.changed() || output.accepted.is_some() {
         out.push(Command::TypePath(text));
     }
-    let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+    let entered = enter && (response.lost_focus() || is_file);
     if !response.has_focus() && ui.memory(|memory| memory.focused().is_none()) {
         response.request_focus();
     }

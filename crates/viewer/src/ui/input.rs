@@ -74,6 +74,10 @@ const OTHERS: &[Gesture] = &[
     gesture("Ctrl+click", "Keep it beside what is kept already"),
     gesture("Double-click", "Set the pivot, and bring it to the middle"),
     gesture(
+        "Ctrl+C, Ctrl+V",
+        "Copy the camera as text, and use a camera that was copied",
+    ),
+    gesture(
         "Drop files",
         "Open them; with Shift, add them. A picture of RayCast's brings its scene back",
     ),

@@ -74,13 +74,10 @@ fn a_typed_path_is_completed_by_the_names_in_its_folder() {
     harness.run();
     harness.key_press(Key::ArrowDown);
     harness.run();
+    // A file that Enter accepts is opened; Tab, and a folder, leave the line open.
     harness.key_press(Key::Enter);
     harness.run();
-    let typed = harness.state().state.prompt.as_ref();
-    let typed = typed.map(|prompt| prompt.text.as_str());
-    assert_eq!(typed, Some("models/b.obj"));
-    harness.key_press(Key::Enter);
-    harness.run();
+    assert!(harness.state().state.prompt.is_none());
     let whole = std::path::absolute("models/b.obj").expect("a path");
     let effect = Effect::Open(vec![whole], Keep::Nothing);
     assert_eq!(harness.state().effects.last(), Some(&effect));

@@ -280,6 +280,46 @@ fn the_menu_bar_is_opened_by_a_key() {
 }
 
 #[test]
+fn arrows_open_menus_and_go_from_one_to_the_next() {
+    let mut harness = open_two();
+    let press = |harness: &mut Harness<'_, Bench>, keys: &[Key]| {
+        for key in keys {
+            harness.key_press(*key);
+            harness.run();
+        }
+    };
+    let has_focus = |harness: &Harness<'_, Bench>, entry: &str| {
+        let mut entries = harness.query_all_by_label_contains(entry);
+        entries.any(|entry| entry.is_focused())
+    };
+    menu::focus(&harness.ctx);
+    harness.run();
+    press(&mut harness, &[Key::ArrowDown]);
+    assert!(has_focus(&harness, "Open…"));
+    press(&mut harness, &[Key::ArrowLeft]);
+    assert!(has_focus(&harness, "All commands…"), "the last menu");
+    press(&mut harness, &[Key::ArrowRight]);
+    assert!(has_focus(&harness, "Open…"), "and the first again");
+    press(&mut harness, &[Key::ArrowRight, Key::ArrowRight]);
+    assert!(has_focus(&harness, "Cube"));
+    press(&mut harness, &[Key::Enter]);
+    let added = harness.state().asked.last();
+    assert!(matches!(added, Some(Command::AddShape(_))), "{added:?}");
+    // Right and left of a submenu lead into it and out of it.
+    menu::focus(&harness.ctx);
+    harness.run();
+    let left = [Key::ArrowDown, Key::ArrowLeft, Key::ArrowLeft];
+    press(&mut harness, &left);
+    assert!(has_focus(&harness, "Panel"));
+    press(&mut harness, &[Key::ArrowDown, Key::ArrowRight]);
+    assert!(has_focus(&harness, "Objects"));
+    press(&mut harness, &[Key::ArrowLeft]);
+    assert!(has_focus(&harness, "Part of the panel"));
+    press(&mut harness, &[Key::ArrowLeft]);
+    assert!(has_focus(&harness, "Measure distance"));
+}
+
+#[test]
 fn a_key_fills_the_screen() {
     let mut harness = open_two();
     harness.key_press(Key::F11);
