@@ -135,7 +135,16 @@ pub fn apply(context: &egui::Context) {
         style.spacing.window_margin = Margin::same(14);
         style.spacing.icon_width = 13.0;
         style.spacing.icon_width_inner = 8.0;
-        style.spacing.scroll = egui::style::ScrollStyle::thin();
+        // As wide as its place: a bar under the pointer covers nothing. In the color of text, to be seen on both themes.
+        style.spacing.scroll = egui::style::ScrollStyle {
+            bar_width: 8.0,
+            floating_allocated_width: 8.0,
+            foreground_color: true,
+            dormant_handle_opacity: 0.4,
+            active_handle_opacity: 0.4,
+            interact_handle_opacity: 0.6,
+            ..egui::style::ScrollStyle::thin()
+        };
         style.interaction.selectable_labels = false;
         style.interaction.tooltip_delay = 0.4;
         style.animation_time = 0.08;
