@@ -44,9 +44,9 @@ use super::setup::{FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, Tri
 use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
-use crate::triangle::CornerLanes;
-use crate::triangle::exact::cross_from;
+use crate::triangle::exact::{OffsetTriangle, cross_from};
 use crate::triangle::plane::distance_of_eye;
+use crate::triangle::{CornerLanes, Determinant};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
@@ -382,7 +382,10 @@ impl PacketSpace {
             }
             if !is_clear(product) && origin_error == 0.0 {
                 // Planes that pass the eye more closely than roundings, with no corner next to it.
-                product = distance_of_eye(self.origin, corners);
+                let origin = DVec3::ZERO;
+                let triangle = OffsetTriangle { corners, origin };
+                let Determinant { value, error } = distance_of_eye(self.origin, &triangle);
+                product = (value, error);
             }
             let key = Linear {
                 constant: d.dot(n),

@@ -16,6 +16,7 @@
 //!
 //! No term leaves double precision's range while its factors are zero or within 2^±300.
 
+use super::exact::OffsetTriangle;
 use crate::num::double_double::DoubleDouble;
 use crate::num::roundoff::EPSILON;
 use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
@@ -27,8 +28,8 @@ const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
 /// A determinant: its exact value is within `error` of `value`, and zero if `error` is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Determinant {
-    pub(super) value: f64,
-    pub(super) error: f64,
+    pub(crate) value: f64,
+    pub(crate) error: f64,
 }
 
 impl Determinant {
@@ -133,23 +134,12 @@ impl Determinants {
         corners: [Vec3; 3],
         tree_origin: DVec3,
     ) -> Option<Self> {
-        let axes = [0, 1, 2];
-        let tree_origin =
-            axes.map(|axis| DoubleDouble::difference(tree_origin[axis], origin[axis]));
-        let relative = |corner: Vec3| {
-            let place = axes.map(|axis| tree_origin[axis] + f64::from(corner[axis]).into());
-            WideFactor::of(place)
-        };
-        let way = |from: Vec3, to: Vec3| {
-            let difference = |axis| DoubleDouble::difference(to[axis].into(), from[axis].into());
-            WideFactor::of(axes.map(difference))
-        };
-        let [a, b, c] = corners;
-        let (ab, bc, ca) = (way(a, b), way(b, c), way(c, a));
-        let [a, b, c] = corners.map(relative);
+        let EyeFactors {
+            corners: [a, b, c],
+            ways: [ab, bc, ca],
+        } = EyeFactors::new(origin, tree_origin, corners)?;
         let d = WideFactor::of(direction.to_array().map(DoubleDouble::from));
-        let in_range = [&a, &b, &c, &ab, &bc, &ca, &d].map(|factor| factor.size.in_range().all());
-        if in_range.contains(&false) {
+        if !d.size.in_range().all() {
             return None;
         }
         let weight = |from, to, way| best_determinant(&d, &[(from, to), (from, way), (to, way)]);
@@ -177,6 +167,115 @@ impl WideFactor {
             value,
             size: Factor::exact(rounded),
         }
+    }
+}
+
+/// A triangle's corners A, B and C relative to an eye, and the ways from A to B, B to C and C to A.
+struct EyeFactors {
+    corners: [WideFactor; 3],
+    ways: [WideFactor; 3],
+}
+
+impl EyeFactors {
+    /// `corners` are relative to `tree_origin`. `None` where a factor is out of [`FACTOR_RANGE`].
+    fn new(eye: DVec3, tree_origin: DVec3, corners: [Vec3; 3]) -> Option<Self> {
+        let axes = [0, 1, 2];
+        let tree_origin = axes.map(|axis| DoubleDouble::difference(tree_origin[axis], eye[axis]));
+        let relative = |corner: Vec3| {
+            let place = axes.map(|axis| tree_origin[axis] + f64::from(corner[axis]).into());
+            WideFactor::of(place)
+        };
+        let way = |from: Vec3, to: Vec3| {
+            let difference = |axis| DoubleDouble::difference(to[axis].into(), from[axis].into());
+            WideFactor::of(axes.map(difference))
+        };
+        let [a, b, c] = corners;
+        let factors = Self {
+            corners: corners.map(relative),
+            ways: [way(a, b), way(b, c), way(c, a)],
+        };
+        let mut all = factors.corners.iter().chain(&factors.ways);
+        let in_range = all.all(|factor| factor.size.in_range().all());
+        in_range.then_some(factors)
+    }
+}
+
+/// A cross product of two corners relative to an eye, computed in double-double arithmetic and rounded: the product with a
+/// ray's direction is one of its weights.
+///
+/// With p the sum of a component's products' magnitudes, the component is off by 16ε²p (see
+/// [`Determinants::in_double_double`]: twice 3.1ε² for the factors, 5ε² for their product, and 3.1ε² for the difference of two)
+/// and by ε of itself from rounding. The three products with a direction and their two sums are off by 3ε of the terms'
+/// magnitudes.
+#[derive(Clone, Copy, Debug)]
+struct EyeCross {
+    value: DVec3,
+    /// Of each component, the bound on its error and on the roundings of products with it.
+    error: DVec3,
+}
+
+impl EyeCross {
+    /// From A and C relative to the eye, or the way from one to the other and either: of equal products the one with the
+    /// least terms.
+    fn new(a: &WideFactor, c: &WideFactor, way: &WideFactor) -> Self {
+        let terms = |(b, c): (&WideFactor, &WideFactor)| {
+            let (b, c) = (b.size.size, c.size.size);
+            b.yzx() * c.zxy() + b.zxy() * c.yzx()
+        };
+        let mut best = (a, c);
+        for other in [(a, way), (c, way)] {
+            if terms(other).element_sum() < terms(best).element_sum() {
+                best = other;
+            }
+        }
+        let value = DVec3::from_array(cross(best.0.value, best.1.value).map(|x| x.high));
+        Self {
+            value,
+            error: terms(best) * (16.0 * EPSILON * EPSILON) + value.abs() * (5.0 * EPSILON),
+        }
+    }
+
+    fn weight(&self, direction: DVec3) -> Determinant {
+        Determinant {
+            value: direction.dot(self.value),
+            error: direction.abs().dot(self.error),
+        }
+    }
+}
+
+/// What the determinants of rays from one eye share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EyeDeterminants {
+    crosses: [EyeCross; 3],
+    numerator: Determinant,
+}
+
+impl EyeDeterminants {
+    /// `numerator` is that of the eye. `None` where a factor is out of [`FACTOR_RANGE`].
+    pub(super) fn new(
+        eye: DVec3,
+        triangle: &OffsetTriangle,
+        numerator: Determinant,
+    ) -> Option<Self> {
+        let EyeFactors {
+            corners: [a, b, c],
+            ways: [ab, bc, ca],
+        } = EyeFactors::new(eye, triangle.origin, triangle.corners)?;
+        let crosses = [
+            EyeCross::new(&b, &c, &bc),
+            EyeCross::new(&c, &a, &ca),
+            EyeCross::new(&a, &b, &ab),
+        ];
+        Some(Self { crosses, numerator })
+    }
+
+    /// The determinants of a ray with this direction. `None` where that is out of [`FACTOR_RANGE`].
+    pub(super) fn of(&self, direction: DVec3) -> Option<Determinants> {
+        let in_range = Factor::exact(direction).in_range().all();
+        in_range.then(|| Determinants {
+            weights: self.crosses.map(|cross| cross.weight(direction)),
+            numerator: self.numerator,
+        })
     }
 }
 
@@ -238,31 +337,17 @@ pub(super) fn eye_distance(
     tree_origin: DVec3,
     corners: [Vec3; 3],
 ) -> Option<Determinant> {
-    let axes = [0, 1, 2];
-    let tree_origin = axes.map(|axis| DoubleDouble::difference(tree_origin[axis], eye[axis]));
-    let relative = corners.map(|corner| {
-        WideFactor::of(axes.map(|axis| tree_origin[axis] + f64::from(corner[axis]).into()))
-    });
-    let far = |corner: usize| relative[corner].size.size.max_element();
+    let EyeFactors { corners, ways } = EyeFactors::new(eye, tree_origin, corners)?;
+    let far = |corner: usize| corners[corner].size.size.max_element();
     let mut first = 0;
     for corner in 1..3 {
         if far(corner) < far(first) {
             first = corner;
         }
     }
-    let from_first = |to: usize| {
-        let [from, to] = [corners[first], corners[to % 3]];
-        WideFactor::of(
-            axes.map(|axis| DoubleDouble::difference(to[axis].into(), from[axis].into())),
-        )
-    };
-    let (a, ab, ac) = (
-        &relative[first],
-        from_first(first + 1),
-        from_first(first + 2),
-    );
-    let in_range = [a, &ab, &ac].map(|factor| factor.size.in_range().all());
-    (!in_range.contains(&false)).then(|| best_determinant(a, &[(&ab, &ac)]))
+    // With the way to the corner and the one from it: (C−A)×(B−A), A being the first, is (A−C)×(B−A) turned.
+    let pair = (&ways[(first + 2) % 3], &ways[first]);
+    Some(best_determinant(&corners[first], &[pair]))
 }
 
 fn numerator([a, b, c]: [Factor; 3]) -> Determinant {
@@ -312,4 +397,61 @@ pub(super) fn is_off_plane(point: Vec3, corners: [Vec3; 3]) -> Option<bool> {
         .then(|| numerator(factors))
         .and_then(Determinant::signum);
     sign.map(|sign| sign != 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::exact::{cross, decompose, dot, ratio, subtract};
+    use crate::num::integer::Integer;
+    use crate::random::Random;
+    use num_bigint::BigInt;
+
+    /// Whole numbers, whose determinants integers of any length hold. Eyes are next to the lines of edges but for rounding, and
+    /// directions along their planes. With the share of rounding in [`EyeCross`] at zero this fails.
+    #[test]
+    fn weights_from_an_eye_are_within_their_bounds_of_those_in_integers() {
+        let whole = |x: f64| {
+            let (mantissa, exponent) = decompose(x);
+            BigInt::shifted(mantissa, exponent as u32)
+        };
+        let vector = |v: DVec3| v.to_array().map(whole);
+        let mut random = Random(91);
+        let mut sure = 0;
+        for round in 0..6000 {
+            let coordinate = |random: &mut Random| (random.signed() * 8e6).round() as f32 * 2e8_f32;
+            let corners =
+                [(); 3].map(|()| Vec3::from_array([(); 3].map(|()| coordinate(&mut random))));
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let eye = match round % 3 {
+                0 => a + (b - a) * (random.signed() * 3.0),
+                1 => a + ((b - a) * random.unit() + (c - a) * random.unit()) * 0.5,
+                _ => random.point() * 1e15,
+            };
+            let eye = eye.round();
+            let target = a + (b - a) * random.signed() + (c - a) * random.signed();
+            let direction = (target - eye).round();
+            let triangle = OffsetTriangle {
+                corners,
+                origin: DVec3::ZERO,
+            };
+            let numerator = Determinant {
+                value: 1.0,
+                error: 0.0,
+            };
+            let shared = EyeDeterminants::new(eye, &triangle, numerator).expect("in range");
+            let found = shared.of(direction).expect("in range").weights;
+            let [a, b, c] = [a, b, c].map(|corner| subtract(&vector(corner), &vector(eye)));
+            let direction = vector(direction);
+            for ((from, to), Determinant { value, error }) in
+                [(&b, &c), (&c, &a), (&a, &b)].into_iter().zip(found)
+            {
+                let truth = dot(&direction, &cross(from, to));
+                let off = ratio(&truth.minus(&whole(value)), &BigInt::shifted(1, 0), 0);
+                assert!(off.abs() <= error, "{off} {error}");
+                sure += u32::from(value.abs() > error);
+            }
+        }
+        assert!(sure > 10_000, "{sure}");
+    }
 }

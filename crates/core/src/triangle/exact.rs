@@ -24,6 +24,18 @@ impl OffsetTriangle {
         [a, b, c, self.origin]
     }
 
+    /// A point relative to the one that the corners are relative to. `None` where that is not a double: it mostly is, and
+    /// then with far fewer digits than its two terms have between them.
+    fn local(&self, point: DVec3) -> Option<DVec3> {
+        let lost = |axis| DoubleDouble::difference(point[axis], self.origin[axis]).low != 0.0;
+        (!(0..3).any(lost)).then(|| point - self.origin)
+    }
+
+    /// A common power of two for all its numbers and a point's.
+    fn scale_with(&self, point: DVec3) -> Scale {
+        Scale::of_vectors(self.vectors().iter().chain([&point]))
+    }
+
     /// Corners relative to `eye`.
     fn relative_to<I: Integer>(&self, eye: DVec3, scale: Scale) -> [Vector<I>; 3] {
         let eye = subtract(&scale.vector(eye), &scale.vector(self.origin));
@@ -99,15 +111,11 @@ pub(crate) fn plane_contains(eye: DVec3, triangle: &OffsetTriangle) -> bool {
         let [a, b, c] = triangle.relative_to::<I>(eye, lengths);
         dot(&a, &cross(&b, &c)).sign() == Ordering::Equal
     }
-    let OffsetTriangle { corners, origin } = *triangle;
-    // The difference mostly is a double, and then with far fewer digits than its two terms have between them.
-    let lost = |axis| DoubleDouble::difference(eye[axis], origin[axis]).low != 0.0;
-    if !(0..3).any(lost) {
-        return lies_in_plane(eye - origin, corners);
+    if let Some(point) = triangle.local(eye) {
+        return lies_in_plane(point, triangle.corners);
     }
-    let lengths = Scale::of_vectors(triangle.vectors().iter().chain([&eye]));
-    let none = Scale::of([]);
-    sized!(lengths, none, of(eye, triangle, lengths))
+    let lengths = triangle.scale_with(eye);
+    sized!(lengths, Scale::of([]), of(eye, triangle, lengths))
 }
 
 /// Whether the plane of a triangle is parallel to `direction`: the three weights of every such ray sum to zero, so
@@ -143,13 +151,23 @@ fn plane_determinant<I: Integer>(points: [DVec3; 4], lengths: Scale) -> I {
 }
 
 /// The distance of an eye from the plane of a triangle times the normal's length, positive where the normal points away from
-/// the eye, rounded to within a unit in the last place; zero only where the plane holds the eye.
-pub(crate) fn distance_of_eye(eye: DVec3, corners: [Vec3; 3]) -> f64 {
+/// the eye, rounded to within a unit in the last place. Zero only where the plane holds the eye, unless it is less than any
+/// double is.
+pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> f64 {
     fn of<I: Integer>(points: [DVec3; 4], lengths: Scale) -> f64 {
         let determinant = plane_determinant::<I>(points, lengths);
         -ratio(&determinant, &I::shifted(1, 0), 3 * lengths.exponent)
     }
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    fn of_far<I: Integer>(eye: DVec3, triangle: &OffsetTriangle, lengths: Scale) -> f64 {
+        let [a, b, c] = triangle.relative_to::<I>(eye, lengths);
+        let determinant = dot(&a, &cross(&b, &c));
+        ratio(&determinant, &I::shifted(1, 0), 3 * lengths.exponent)
+    }
+    let Some(eye) = triangle.local(eye) else {
+        let lengths = triangle.scale_with(eye);
+        return sized!(lengths, Scale::of([]), of_far(eye, triangle, lengths));
+    };
+    let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
     let points = [a, b, c, eye];
     let lengths = Scale::of_vectors(&points);
     if lengths.bits <= I128_BITS {
@@ -415,10 +433,17 @@ mod tests {
             ab.cross(ac),
             DVec3::new(-1.0, 0.0, 1.0) * (3.0 * 2f64.powi(40))
         );
-        assert_eq!(distance_of_eye(eye, corners), -9.0 * least * 2f64.powi(40));
-        assert_eq!(distance_of_eye(DVec3::ZERO, corners), 0.0);
+        let here = triangle(corners, DVec3::ZERO);
+        assert_eq!(distance_of_eye(eye, &here), -9.0 * least * 2f64.powi(40));
+        assert_eq!(distance_of_eye(DVec3::ZERO, &here), 0.0);
         let [a, b, c] = corners;
-        assert_eq!(distance_of_eye(eye, [a, c, b]), 9.0 * least * 2f64.powi(40));
+        let turned = triangle([a, c, b], DVec3::ZERO);
+        assert_eq!(distance_of_eye(eye, &turned), 9.0 * least * 2f64.powi(40));
+        // The difference of eye and origin is not a double; the plane is y = z.
+        let corners_of_y = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
+        let moved = triangle(corners_of_y, DVec3::X * 2f64.powi(-80));
+        assert_eq!(distance_of_eye(DVec3::new(1.0, 5.0, 4.0), &moved), 1.0);
+        assert_eq!(distance_of_eye(DVec3::new(1.0, 4.0, 4.5), &moved), -0.5);
         // (−f, −f, −f − 3s) × (f, f, f − 3s) with s the least number.
         let product = cross_from(eye, [a, -a]);
         let expected = DVec3::new(6.0, -6.0, 0.0) * (least * f64::from(far));

@@ -18,7 +18,7 @@
 
 use super::BoundedHit;
 use super::componentwise::{Determinant, eye_distance, plane_distance};
-use super::exact;
+use super::exact::{self, OffsetTriangle};
 use crate::num::roundoff::EPSILON;
 use glam::{DVec3, Vec3};
 
@@ -84,7 +84,11 @@ impl Plane {
     /// [`Plane::turned_from`] with the corners at hand, decided exactly, for an eye that is not off: for planes that pass it
     /// more closely than roundings in double precision.
     pub(crate) fn turned_exactly_from(mut self, eye: DVec3, corners: [Vec3; 3]) -> Option<Self> {
-        let (value, _) = distance_of_eye(eye, corners);
+        let triangle = OffsetTriangle {
+            corners,
+            origin: DVec3::ZERO,
+        };
+        let value = distance_of_eye(eye, &triangle).value;
         self.turn = value.signum();
         self.normal *= self.turn;
         (value != 0.0).then_some(self)
@@ -139,25 +143,19 @@ impl Plane {
 }
 
 /// The distance of an eye from a triangle's plane times the normal's length, positive where the normal points away from the
-/// eye, and the bound on its error: [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else
-/// exactly; zero only where the plane contains the eye.
-pub(crate) fn distance_of_eye(eye: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
-    if let Some(Determinant { value, error }) = eye_distance_closely(eye, DVec3::ZERO, corners) {
-        return (value, error);
-    }
-    let exact = exact::distance_of_eye(eye, corners);
-    (exact, 4.0 * EPSILON * exact.abs())
-}
-
-/// [`distance_of_eye`] in double-double arithmetic, with corners relative to `tree_origin`, where that suffices.
-pub(super) fn eye_distance_closely(
-    eye: DVec3,
-    tree_origin: DVec3,
-    corners: [Vec3; 3],
-) -> Option<Determinant> {
+/// eye, with an error of [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else exactly; zero
+/// only where the plane contains the eye, unless it is less than any double is.
+pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> Determinant {
+    let wide = eye_distance(eye, triangle.origin, triangle.corners);
     // NaN fails this comparison, and so does zero unless it is surely so.
-    eye_distance(eye, tree_origin, corners)
-        .filter(|wide| wide.error <= MOST_ERROR * wide.value.abs())
+    if let Some(wide) = wide.filter(|wide| wide.error <= MOST_ERROR * wide.value.abs()) {
+        return wide;
+    }
+    let value = exact::distance_of_eye(eye, triangle);
+    Determinant {
+        value,
+        error: 4.0 * EPSILON * value.abs(),
+    }
 }
 
 #[cfg(test)]
@@ -245,8 +243,12 @@ mod tests {
                 0 => a.with_x(a.x.next_up()),
                 _ => a + (b - a) * random.signed() + (c - a) * random.signed(),
             };
-            let truth = exact::distance_of_eye(eye, corners);
-            let (value, error) = distance_of_eye(eye, corners);
+            let triangle = OffsetTriangle {
+                corners,
+                origin: DVec3::ZERO,
+            };
+            let truth = exact::distance_of_eye(eye, &triangle);
+            let Determinant { value, error } = distance_of_eye(eye, &triangle);
             let rounding = EPSILON * truth.abs();
             assert!(
                 (value - truth).abs() <= error + rounding,

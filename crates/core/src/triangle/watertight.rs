@@ -13,7 +13,7 @@ use super::BoundedHit;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, OffsetTriangle};
-use super::plane::eye_distance_closely;
+use super::eye_triangle::EyeTriangle;
 use crate::hit::{Cull, Precision};
 use crate::num::roundoff::EPSILON;
 use crate::ray::{Ray, relative_origin};
@@ -105,7 +105,7 @@ impl PreparedRay {
             Verdict::Hit(hit) => hit,
             Verdict::Undecided => {
                 let at = corners(primitive);
-                match self.intersect_undecided(primitive, at, || self.numerator(at)) {
+                match self.intersect_undecided(primitive, at, &EyeTriangle::default()) {
                     Some(hit) => hit,
                     None => return,
                 }
@@ -123,18 +123,17 @@ impl PreparedRay {
         }
     }
 
-    /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided. `numerator` gives that of
-    /// the ray's parameter: [`PreparedRay::numerator`].
+    /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided.
     fn intersect_undecided(
         &self,
         primitive: u32,
         corners: [Vec3; 3],
-        numerator: impl FnOnce() -> Option<Determinant>,
+        from_eye: &EyeTriangle,
     ) -> Option<BoundedHit> {
         if self.precision == Precision::Fast {
             return self.intersect_rounded(primitive, corners);
         }
-        match self.intersect_closely(primitive, corners, numerator) {
+        match self.intersect_closely(primitive, corners, from_eye) {
             Verdict::Miss => None,
             Verdict::Hit(hit) => Some(hit),
             Verdict::Undecided => {
@@ -149,30 +148,32 @@ impl PreparedRay {
         &self,
         primitive: u32,
         corners: [Vec3; 3],
-        numerator: impl FnOnce() -> Option<Determinant>,
+        from_eye: &EyeTriangle,
     ) -> Verdict {
         let determinants = self.componentwise(corners);
         let verdict = self.intersect_by_determinants(primitive, determinants);
         if !matches!(verdict, Verdict::Undecided) {
             return verdict;
         }
-        // Where a ray starts next to the triangle's plane, its parameter's numerator alone may cancel.
-        let sure = determinants.filter(Determinants::have_sure_weights);
-        let closer = sure.and_then(|Determinants { weights, .. }| {
-            let numerator = numerator()?;
-            Some(Determinants { weights, numerator })
-        });
-        let verdict = self.intersect_by_determinants(primitive, closer);
-        if !matches!(verdict, Verdict::Undecided) {
-            return verdict;
+        // Where the weights' signs are sure, accuracy is missing: where a ray starts next to the triangle's plane its
+        // parameter's numerator alone may cancel, and in a needle the weights do.
+        if let Some(determinants) = determinants.filter(Determinants::have_sure_weights) {
+            let (eye, triangle) = (self.ray.origin, self.placed(corners));
+            let closer = from_eye.numerator(eye, &triangle);
+            let closer = closer.map(|numerator| Determinants {
+                numerator,
+                ..determinants
+            });
+            let verdict = self.intersect_by_determinants(primitive, closer);
+            if !matches!(verdict, Verdict::Undecided) {
+                return verdict;
+            }
+            let verdict = self.intersect_from_eye(primitive, corners, from_eye);
+            if !matches!(verdict, Verdict::Undecided) {
+                return verdict;
+            }
         }
         self.intersect_in_double_double(primitive, corners)
-    }
-
-    /// The numerator of the ray's parameter where it hits a triangle's plane, accurate to single precision: what rays from one
-    /// origin share. `None` where it is not to be had so closely.
-    pub(crate) fn numerator(&self, corners: [Vec3; 3]) -> Option<Determinant> {
-        eye_distance_closely(self.ray.origin, self.tree_origin, corners)
     }
 
     /// Intersects in double precision with componentwise bounds.
@@ -185,6 +186,18 @@ impl PreparedRay {
         let relative = corners.map(|corner| corner.as_dvec3() - self.origin);
         let off = self.origin_error / EPSILON;
         Determinants::new(self.ray.direction, relative, off)
+    }
+
+    /// Intersects by what rays from one eye share of the triangle.
+    fn intersect_from_eye(
+        &self,
+        primitive: u32,
+        corners: [Vec3; 3],
+        from_eye: &EyeTriangle,
+    ) -> Verdict {
+        let shared = from_eye.determinants(self.ray.origin, &self.placed(corners));
+        let determinants = shared.and_then(|shared| shared.of(self.ray.direction));
+        self.intersect_by_determinants(primitive, determinants)
     }
 
     /// Intersects in double-double arithmetic.
@@ -270,20 +283,20 @@ impl PreparedRay {
 
     /// The hit of a triangle that the ray is known to hit.
     pub(crate) fn hit_on(&self, primitive: u32, corners: [Vec3; 3]) -> BoundedHit {
-        self.hit_with(primitive, corners, || self.numerator(corners))
+        self.hit_with(primitive, corners, &EyeTriangle::default())
     }
 
-    /// [`PreparedRay::hit_on`] with what [`PreparedRay::numerator`] says, asked for where it is needed.
+    /// [`PreparedRay::hit_on`] with what other rays from the same eye know of the triangle.
     pub(crate) fn hit_with(
         &self,
         primitive: u32,
         corners: [Vec3; 3],
-        numerator: impl FnOnce() -> Option<Determinant>,
+        from_eye: &EyeTriangle,
     ) -> BoundedHit {
         match self.intersect_in_double(primitive, corners) {
             Verdict::Hit(hit) => hit,
             _ => self
-                .intersect_undecided(primitive, corners, numerator)
+                .intersect_undecided(primitive, corners, from_eye)
                 .unwrap_or(BoundedHit::NONE),
         }
     }
@@ -354,6 +367,7 @@ mod tests {
     use super::*;
     use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
+    use std::cell::OnceCell;
     use std::fmt;
 
     fn ray_along_z() -> PreparedRay {
@@ -479,20 +493,37 @@ mod tests {
                 let prepared = PreparedRay::new(&ray, tree_origin, Cull::None, Precision::Exact);
                 let prepared = prepared.expect("a valid ray");
                 let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
-                let numerator = prepared.numerator(corners);
-                let verdict = prepared.intersect_closely(0, corners, || numerator);
+                let from_eye = EyeTriangle::default();
+                let verdict = prepared.intersect_closely(0, corners, &from_eye);
                 is_decided(&verdict, truth.as_ref(), (ray, corners));
+                let numerator = from_eye.numerator.get().copied().flatten();
                 let twice = numerator.map(|Determinant { value, error }| Determinant {
                     value: 2.0 * value,
                     error: 2.0 * error,
                 });
-                let twice = prepared.intersect_closely(0, corners, || twice);
+                let from_eye = EyeTriangle {
+                    numerator: OnceCell::from(twice),
+                    ..EyeTriangle::default()
+                };
+                let twice = prepared.intersect_closely(0, corners, &from_eye);
                 if let (Verdict::Hit(once), Verdict::Hit(twice)) = (verdict, twice) {
                     by_numerator += u32::from(twice.t == 2.0 * once.t);
                 }
             }
             assert!(by_numerator > 1000, "{by_numerator}");
         }
+    }
+
+    /// The numerator of this ray's parameter is 10⁻³⁸⁰, which no double is: not zero, as in a plane that contains the origin.
+    #[test]
+    fn a_numerator_less_than_any_double_is_not_zero() {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]]
+            .map(|[x, y]| Vec3::new(x, y, 0.0) * 2f32.powi(-132));
+        let ray = Ray::new(DVec3::Z * 1e-300, DVec3::NEG_Z);
+        let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
+        let hit = prepared.expect("a valid ray").hit_on(0, corners);
+        assert!(!hit.is_miss());
+        assert!((hit.t - 1e-300).abs() <= 1e-315, "{}", hit.t);
     }
 
     /// Rays through edges and corners except for rounding: close to the eye and far from it, and with a rounded eye.
@@ -510,9 +541,10 @@ mod tests {
             let [
                 mut decided,
                 mut closely_decided,
+                mut decided_from_eye,
                 mut widely_decided,
                 mut hits,
-            ] = [0; 4];
+            ] = [0; 5];
             for _ in 0..8000 {
                 let middle = DVec3::new(place, place * 0.7, -place);
                 let size = place.max(1.0) * crate::math::pow(10.0, -6.0 * random.unit());
@@ -560,6 +592,10 @@ mod tests {
                         &mut closely_decided,
                     ),
                     (
+                        prepared.intersect_from_eye(0, corners, &EyeTriangle::default()),
+                        &mut decided_from_eye,
+                    ),
+                    (
                         prepared.intersect_in_double_double(0, corners),
                         &mut widely_decided,
                     ),
@@ -572,6 +608,7 @@ mod tests {
             assert!(hits > 1000, "{hits}");
             assert!(decided > 300, "{decided}");
             assert!(closely_decided > 200, "{closely_decided} of {decided}");
+            assert!(decided_from_eye > 2000, "{decided_from_eye}");
             assert!(widely_decided > 1500, "{widely_decided}");
         }
     }

@@ -7,10 +7,10 @@ use super::{Case, CaseTheme, Setting};
 use crate::cameras::PROJECTIONS;
 pub use scenes::{ScenePair, SceneView};
 use scenes::{
-    between_layers, coincident, cone, crossing_layers, exponents, far_vertex, integer_plane,
-    mesh_copies, next_to_discs, next_to_fan, next_to_grid_plane, next_to_layers, next_to_planes,
-    next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane,
-    shared_vertex, subnormal_layers, thin_boxes, tiny_and_far,
+    between_layers, coincident, cone, crossing_layers, exponents, far_vertex, inside_needle,
+    integer_plane, mesh_copies, next_to_discs, next_to_fan, next_to_grid_plane, next_to_layers,
+    next_to_planes, next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane,
+    shared_edge, shared_plane, shared_vertex, subnormal_layers, thin_boxes, tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -62,6 +62,7 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("eye_next_to_a_vertex_of_thousands", next_to_fan),
     timed("eye_next_to_a_vertex_of_layers", next_to_discs),
     timed("eye_next_to_thousands_of_one_plane", next_to_grid_plane),
+    timed("eye_in_a_needle", inside_needle),
 ];
 
 macro_rules! case {
@@ -220,6 +221,12 @@ pub(super) const CASES: &[Case] = &[
         next_to_grid_plane,
         (24, 18),
         "The eye 3e-45 from a plane that 4,000 triangles with corners on a grid lie in: double precision does not tell on which side of it, or of their edges."
+    ),
+    case!(
+        "eye_in_a_needle",
+        inside_needle,
+        (48, 36),
+        "The eye in the middle of a needle but for rounding, which half of the rays hit: double precision gives neither the distance nor the weights of a hit to single precision."
     ),
 ];
 

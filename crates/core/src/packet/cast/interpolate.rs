@@ -9,7 +9,7 @@ use crate::triangle::interpolate::{
     LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
-use crate::triangle::{CornerLanes, Determinant, PreparedRay};
+use crate::triangle::{CornerLanes, EyeTriangle, PreparedRay};
 
 impl Accel {
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find_closest`] found, given by the
@@ -113,7 +113,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             pencil: Pencil::new(lattice, accel.origin),
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
-            numerators: has_eye.then_some([(MISS, None); CACHED]),
+            from_eye: has_eye.then(Vec::new),
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -176,8 +176,8 @@ struct Interpolate<'a, const INSTANCES: bool> {
     around: Option<PanoramaRays>,
     /// Indexed by the low bits of the primitive index.
     cached: [(u32, LinearHit); CACHED],
-    /// What [`PreparedRay::numerator`] says of triangles, indexed likewise, where all rays start at one eye.
-    numerators: Option<[(u32, Option<Determinant>); CACHED]>,
+    /// What the rays share of triangles, where all start at one eye: empty before it is needed, then indexed likewise.
+    from_eye: Option<Vec<(u32, EyeTriangle)>>,
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -376,18 +376,15 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             return PrimitiveHit::NONE;
         };
         let corners = self.accel.corners_of::<INSTANCES>(primitive);
-        let numerators = &mut self.numerators;
-        let numerator = || {
-            let Some(numerators) = numerators else {
-                return ray.numerator(corners);
-            };
-            let (cached, numerator) = &mut numerators[primitive as usize % CACHED];
-            if *cached != primitive {
-                (*cached, *numerator) = (primitive, ray.numerator(corners));
-            }
-            *numerator
+        let Some(from_eye) = &mut self.from_eye else {
+            return ray.hit_on(primitive, corners).to_primitive_hit();
         };
-        ray.hit_with(primitive, corners, numerator)
+        from_eye.resize_with(CACHED, || (MISS, EyeTriangle::default()));
+        let (cached, triangle) = &mut from_eye[primitive as usize % CACHED];
+        if *cached != primitive {
+            (*cached, *triangle) = (primitive, EyeTriangle::default());
+        }
+        ray.hit_with(primitive, corners, triangle)
             .to_primitive_hit()
     }
 }

@@ -440,3 +440,25 @@ pub(super) fn next_to_grid_plane() -> ScenePair {
     let ordinary = triangles_on(4000, || random.in_cube());
     pair_from_the_origin(&in_plane, &ordinary)
 }
+
+/// Needles of which one has the eye in its middle but for rounding: it fills half of the picture.
+pub(super) fn inside_needle() -> ScenePair {
+    let mut random = Random::new(560);
+    let mut needle = |middle: DVec3| {
+        let (along, aside) = (random.in_cube(), random.in_cube() * 1e-7);
+        [middle - along, middle + along, middle + aside].map(to_f32)
+    };
+    let held = needle(DVec3::ZERO);
+    let [a, b, c] = held;
+    let mut places = Random::new(561);
+    let mut needles = vec![held];
+    needles.extend((1..300).map(|_| needle(places.in_cube())));
+    let view_of = |scene| SceneView {
+        scene,
+        view: ((a + b + c) / 3.0, DVec3::new(0.25, -0.5, -1.0), 1.0),
+    };
+    ScenePair {
+        hostile: view_of(single_mesh(soup(&needles))),
+        ordinary: view_of(ordinary(300, 1.0)),
+    }
+}

@@ -1,0 +1,39 @@
+//! What rays from one eye share of a triangle.
+
+use super::componentwise::{Determinant, EyeDeterminants};
+use super::exact::OffsetTriangle;
+use super::plane::{LEAST_SURE, distance_of_eye};
+use glam::DVec3;
+use std::cell::OnceCell;
+
+/// What the rays from one eye share of one triangle, each part computed when it is first asked for. A ray of its own has one
+/// of its own.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EyeTriangle {
+    pub(super) numerator: OnceCell<Option<Determinant>>,
+    pub(super) determinants: OnceCell<Option<EyeDeterminants>>,
+}
+
+impl EyeTriangle {
+    /// The numerator of the parameter where rays meet the triangle's plane, accurate to single precision. `None` where it is
+    /// zero, or so small that digits of it may be lost.
+    pub(super) fn numerator(&self, eye: DVec3, triangle: &OffsetTriangle) -> Option<Determinant> {
+        *self.numerator.get_or_init(|| {
+            let numerator = distance_of_eye(eye, triangle);
+            (numerator.value.abs() > LEAST_SURE).then_some(numerator)
+        })
+    }
+
+    /// What all determinants share; `None` where they are not to be had.
+    pub(super) fn determinants(
+        &self,
+        eye: DVec3,
+        triangle: &OffsetTriangle,
+    ) -> Option<&EyeDeterminants> {
+        let new = || {
+            let numerator = self.numerator(eye, triangle)?;
+            EyeDeterminants::new(eye, triangle, numerator)
+        };
+        self.determinants.get_or_init(new).as_ref()
+    }
+}
