@@ -1,18 +1,15 @@
 //! The materials of an OBJ file: its libraries, their images, and which triangle has which.
 
 use super::content::{NONE, ObjText};
-use super::map_options::MtlImage;
+use super::images::Images;
 use super::mtl::{self, MtlMaterial, Unused};
 use crate::formats::error::FormatError;
 use crate::formats::files::{Contents, Files, NamedBy, beside};
-use crate::formats::limits::Budget;
 use crate::formats::parsed::BLENDED;
-use crate::formats::texture;
 use crate::quote::{self, quote};
-use crate::scene::{Alpha, Opacity, Texture, Wrap};
-use std::collections::{BTreeSet, HashMap};
+use crate::scene::Opacity;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// The materials of a file's libraries, each with the path of its library.
 pub(super) type Materials = Vec<(MtlMaterial, PathBuf)>;
@@ -76,12 +73,16 @@ pub(super) fn materials(
     if texture.is_none() {
         for &number in &used {
             let (material, library) = &mut materials[number];
-            if let Some(image) = &material.texture {
+            if let Some(image) = &material.images.color {
                 material.material.texture = images.read(library, image, "image");
             }
         }
     }
-    read_opacity_images(&mut materials, &used, &mut images);
+    for &number in &used {
+        let (material, library) = &mut materials[number];
+        images.read_opacity(library, material);
+        images.read_reflectance(library, material);
+    }
     let is_blended = |&&number: &&usize| {
         let opacity = &materials[number].0.material.opacity;
         matches!(opacity, Opacity::Blend(_))
@@ -100,7 +101,7 @@ fn common_image(text: &ObjText, materials: &Materials) -> Option<PathBuf> {
     let image = |name: u32| {
         let name = text.materials.get(name as usize)?;
         let (material, library) = materials.get(*numbers.get(name.as_str())? as usize)?;
-        let image = material.texture.as_ref()?;
+        let image = material.images.color.as_ref()?;
         (!image.options.clamps).then(|| beside(library, &image.name))
     };
     let (first_triangle, first) = *text.material_runs.first()?;
@@ -112,159 +113,6 @@ fn common_image(text: &ObjText, materials: &Materials) -> Option<PathBuf> {
     images
         .all(|image| image.as_ref() == Some(&first))
         .then_some(first)
-}
-
-/// The images of a file's materials, each of which is read once.
-struct Images<'f> {
-    path: &'f Path,
-    files: &'f dyn Files,
-    warnings: &'f mut Vec<String>,
-    /// `None` for one that cannot be read, of which a warning says why.
-    /// With whether it is clamped.
-    known: HashMap<(PathBuf, bool), Option<Arc<Texture>>>,
-    /// Images that were read before they were asked for.
-    ahead: HashMap<PathBuf, Result<Texture, FormatError>>,
-}
-
-impl<'f> Images<'f> {
-    fn new(path: &'f Path, files: &'f dyn Files, warnings: &'f mut Vec<String>) -> Self {
-        Self {
-            path,
-            files,
-            warnings,
-            known: HashMap::new(),
-            ahead: HashMap::new(),
-        }
-    }
-
-    /// Decodes the images of materials all at once: of opacity, and with `colors` of colour.
-    fn decode_ahead<'m>(
-        &mut self,
-        materials: impl Iterator<Item = &'m (MtlMaterial, PathBuf)>,
-        colors: bool,
-    ) {
-        let wanted: BTreeSet<PathBuf> = materials
-            .flat_map(|(material, library)| {
-                let color = material.texture.as_ref().filter(|_| colors);
-                let images = color.into_iter().chain(&material.opacity);
-                images.map(|image| beside(library, &image.name))
-            })
-            .collect();
-        if wanted.len() < 2 {
-            return;
-        }
-        let mut found = Vec::new();
-        for path in &wanted {
-            match self.bytes(path) {
-                Ok(bytes) => found.push((path.as_path(), bytes)),
-                Err(error) if error.is_of_budget() => return,
-                Err(error) => {
-                    self.ahead.insert(path.clone(), Err(error));
-                }
-            }
-        }
-        let files = found.iter().map(|(path, bytes)| (*path, *path, &**bytes));
-        let files: Vec<_> = files.collect();
-        let decoded = texture::decode_ahead(&files, self.files.budget());
-        let decoded = decoded.into_iter();
-        (self.ahead).extend(decoded.map(|(path, read)| (path.to_owned(), read)));
-    }
-
-    fn bytes(&self, path: &Path) -> Result<Contents<'f>, FormatError> {
-        self.files.read(path, NamedBy::Mesh(self.path), &|_| ())
-    }
-
-    /// An image of a library; `what` it is to it is for the warning.
-    fn read(&mut self, library: &Path, image: &MtlImage, what: &str) -> Option<Arc<Texture>> {
-        let key = (beside(library, &image.name), image.options.clamps);
-        if let Some(known) = self.known.get(&key) {
-            return known.clone();
-        }
-        let file = &key.0;
-        let read = match self.ahead.remove(file) {
-            Some(read) => read,
-            None => self
-                .bytes(file)
-                .and_then(|bytes| texture::decode(file, &bytes, self.files.budget())),
-        };
-        let texture = match read {
-            Ok(texture) if image.options.clamps => Some(texture.wrapped([Wrap::Clamp; 2])),
-            Ok(texture) => Some(texture),
-            Err(error) => {
-                self.warn(what, &image.name, &error);
-                None
-            }
-        };
-        let texture = texture.map(Arc::new);
-        self.known.insert(key, texture.clone());
-        texture
-    }
-
-    fn warn(&mut self, what: &str, name: &str, error: &FormatError) {
-        let (path, name, why) = (quote::path(self.path), quote(name), error.reason());
-        (self.warnings).push(format!(
-            "{path}: its {what} in {name} cannot be read: {why}"
-        ));
-    }
-}
-
-/// Reads the opacity images of the used materials. A material whose library gives no other opacity becomes a mask;
-/// otherwise the image's alpha is part of its blending.
-fn read_opacity_images(materials: &mut Materials, used: &[usize], images: &mut Images<'_>) {
-    let mut known: HashMap<(PathBuf, bool), Option<Arc<Texture>>> = HashMap::new();
-    for &number in used {
-        let (material, library) = &mut materials[number];
-        let Some(image) = &material.opacity else {
-            continue;
-        };
-        let key = (beside(library, &image.name), image.options.clamps);
-        let image = match known.get(&key) {
-            Some(image) => image.clone(),
-            None => {
-                let alpha = images.read(library, image, "opacity").and_then(|texture| {
-                    alpha_image(&key.0, texture, images.files.budget())
-                        .map_err(|error| images.warn("opacity", &image.name, &error))
-                        .ok()
-                });
-                known.insert(key, alpha.clone());
-                alpha
-            }
-        };
-        let Some(image) = image else { continue };
-        material.material.opacity = match &material.material.opacity {
-            Opacity::Blend(alpha) => Opacity::Blend(Alpha {
-                image: Some(image),
-                ..alpha.clone()
-            }),
-            Opacity::Opaque | Opacity::Mask { .. } => Opacity::Mask {
-                alpha: Alpha {
-                    factor: 1.0,
-                    image: Some(image),
-                },
-                cutoff: Opacity::CUTOFF,
-            },
-        };
-    }
-}
-
-/// The alpha of an opacity image: its alpha channel if it has one, else its red channel, which is its grey.
-fn alpha_image(
-    path: &Path,
-    image: Arc<Texture>,
-    budget: &Budget,
-) -> Result<Arc<Texture>, FormatError> {
-    let texels = image.texels();
-    if texels.iter().any(|texel| texel[3] < u8::MAX) {
-        return Ok(image);
-    }
-    let bytes = size_of_val(texels) as u64;
-    let share = budget.share(path, "the image's opacity", bytes)?;
-    let texels = texels.iter().map(|&[grey, ..]| [grey; 4]).collect();
-    let Some(opacity) = Texture::new(image.width(), image.height(), texels) else {
-        return Ok(image);
-    };
-    share.keep(bytes);
-    Ok(Arc::new(opacity.wrapped(image.wrap())))
 }
 
 /// The index of the material's name of every triangle.

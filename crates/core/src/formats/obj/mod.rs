@@ -1,4 +1,5 @@
 mod content;
+mod images;
 mod map_options;
 mod materials;
 mod mtl;
@@ -97,7 +98,7 @@ pub(super) fn read(
         *material = named.get(*material as usize).copied().unwrap_or(NONE);
     }
     let options: Vec<_> = (materials.iter())
-        .map(|(material, _)| material.options())
+        .map(|(material, _)| material.images.options())
         .collect();
     map_options::move_coordinates(path, &mut mesh, &options, files.budget())?;
     mesh.materials = materials

@@ -10,17 +10,61 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MtlMaterial {
     pub(super) material: Material,
-    /// Its diffuse image.
-    pub(super) texture: Option<MtlImage>,
-    /// Its opacity image.
-    pub(super) opacity: Option<MtlImage>,
+    pub(super) images: MtlImages,
 }
 
-impl MtlMaterial {
-    /// How its texture coordinates are moved: both images share them.
+/// The images that a library names for a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct MtlImages {
+    /// `map_Kd`.
+    pub(super) color: Option<MtlImage>,
+    /// `map_d`.
+    pub(super) opacity: Option<MtlImage>,
+    /// `map_Pr`.
+    pub(super) roughness: Option<MtlImage>,
+    /// `map_Pm`.
+    pub(super) metallic: Option<MtlImage>,
+    /// `map_Ke`.
+    pub(super) emission: Option<MtlImage>,
+}
+
+impl MtlImages {
+    fn by_keyword(&mut self) -> [(&'static str, &mut Option<MtlImage>); 5] {
+        let Self {
+            color,
+            opacity,
+            roughness,
+            metallic,
+            emission,
+        } = self;
+        [
+            ("map_Kd", color),
+            ("map_d", opacity),
+            ("map_Pr", roughness),
+            ("map_Pm", metallic),
+            ("map_Ke", emission),
+        ]
+    }
+
+    /// How the material's texture coordinates are moved: all its images share them.
     pub(super) fn options(&self) -> MapOptions {
-        let image = self.texture.as_ref().or(self.opacity.as_ref());
-        image.map_or_else(MapOptions::default, |image| image.options)
+        let Self {
+            color,
+            opacity,
+            roughness,
+            metallic,
+            emission,
+        } = self;
+        let all = [color, opacity, roughness, metallic, emission];
+        let first = all.into_iter().flatten().next();
+        first.map_or_else(MapOptions::default, |image| image.options)
+    }
+
+    /// Whether any says how light is reflected.
+    fn reflect(&self) -> bool {
+        [&self.roughness, &self.metallic, &self.emission]
+            .iter()
+            .any(|image| image.is_some())
     }
 }
 
@@ -54,8 +98,15 @@ pub(super) fn read(
         };
         match keyword {
             "newmtl" if rest.is_empty() => warn("a name behind `newmtl`"),
-            "map_Kd" | "map_d" if MtlImage::parse(rest).is_none() => {
-                warn(&format!("a file behind `{keyword}`"));
+            "map_Kd" | "map_d" | "map_Pr" | "map_Pm" | "map_Ke" => {
+                let Some(image) = MtlImage::parse(rest) else {
+                    warn(&format!("a file behind `{keyword}`"));
+                    continue;
+                };
+                let all = looks.last_mut().map(|look| look.images.by_keyword());
+                for (_, place) in all.into_iter().flatten().filter(|(it, _)| *it == keyword) {
+                    *place = Some(image.clone());
+                }
             }
             "d" | "Tr" => match opacity(rest) {
                 Some(number) => clean.push_str(&format!("{keyword} {number}\n")),
@@ -65,7 +116,6 @@ pub(super) fn read(
                 clean.push_str(&format!("{keyword} {rest}\n"));
                 looks.push(Look::default());
             }
-            "map_Kd" | "map_d" => clean.push_str(&format!("{keyword} {rest}\n")),
             "Kd" => match diffuse(rest) {
                 Some([r, g, b]) => clean.push_str(&format!("Kd {r} {g} {b}\n")),
                 None => warn("one or three numbers behind `Kd`"),
@@ -100,9 +150,11 @@ pub(super) fn read(
         Ok((materials, _)) => {
             let looks = looks.into_iter().chain(std::iter::repeat(Look::default()));
             let all = materials.into_iter().zip(looks);
-            let all = all.map(|(material, look)| convert(material, look));
-            all.inspect(|material| count_options(material, unused))
-                .collect()
+            all.map(|(material, mut look)| {
+                count_options(&mut look.images, unused);
+                convert(material, look)
+            })
+            .collect()
         }
         Err(error) => {
             warnings.push(format!("{}: {error}", quote::path(path)));
@@ -112,9 +164,9 @@ pub(super) fn read(
 }
 
 /// Counts options of images that are not obeyed.
-fn count_options(material: &MtlMaterial, unused: &mut Unused) {
-    let moves = material.options();
-    for (keyword, image) in [("map_Kd", &material.texture), ("map_d", &material.opacity)] {
+fn count_options(images: &mut MtlImages, unused: &mut Unused) {
+    let moves = images.options();
+    for (keyword, image) in images.by_keyword() {
         let is_odd = |image: &MtlImage| image.has_others || !image.options.moves_as(&moves);
         if image.as_ref().is_some_and(is_odd) {
             *unused.entry(format!("options of {keyword}")).or_default() += 1;
@@ -145,6 +197,7 @@ struct Look {
     emission: [f64; 3],
     metallic: Option<f64>,
     roughness: Option<f64>,
+    images: MtlImages,
 }
 
 impl Look {
@@ -158,8 +211,10 @@ impl Look {
             emission,
             metallic,
             roughness,
+            images,
         } = self;
-        let says = [exponent, metallic, roughness].iter().any(|n| n.is_some());
+        let numbers = [exponent, metallic, roughness];
+        let says = images.reflect() || numbers.iter().any(|number| number.is_some());
         if !says && specular.is_none() && *emission == [0.0; 3] {
             return None;
         }
@@ -192,10 +247,7 @@ fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
     let transparency = transparency.and_then(|text| text.parse::<f64>().ok());
     let factor = (material.dissolve).or(transparency.map(|transparency| 1.0 - transparency));
     let factor = factor.unwrap_or(1.0);
-    let image = |map: &Option<String>| map.as_deref().and_then(MtlImage::parse);
     MtlMaterial {
-        texture: image(&material.diffuse_texture),
-        opacity: image(&material.dissolve_texture),
         material: Material {
             opacity: match factor < 1.0 {
                 true => Opacity::Blend(Alpha {
@@ -207,6 +259,7 @@ fn convert(material: tobj::Material, look: Look) -> MtlMaterial {
             reflectance: look.reflectance().map(Arc::new),
             ..Material::new(material.name, color)
         },
+        images: look.images,
     }
 }
 
@@ -256,7 +309,7 @@ mod tests {
                 ("plain", Color::DEFAULT)
             ]
         );
-        let image = materials[2].texture.as_ref().expect("an image");
+        let image = materials[2].images.color.as_ref().expect("an image");
         assert_eq!(image.name, "my wood.png");
         assert_eq!(unused, Unused::from([("options of map_Kd".to_owned(), 1)]));
         assert!(warnings.is_empty(), "{warnings:?}");
@@ -296,7 +349,7 @@ mod tests {
         let materials = read(Path::new("a.mtl"), text, &mut warnings, &mut Unused::new());
         assert_eq!(materials.len(), 1);
         assert_eq!(materials[0].material.color, Color::DEFAULT);
-        assert_eq!(materials[0].texture, None);
+        assert_eq!(materials[0].images, MtlImages::default());
         assert_eq!(warnings.len(), 6, "{warnings:?}");
         assert_eq!(
             warnings[0],

@@ -262,6 +262,64 @@ fn materials_are_masks_or_blended() {
     assert!(blended.ends_with("nothing refracted: 1"), "{blended}");
 }
 
+/// Images of roughness and metal are put into one, as large as the larger; what a library says beside them does not count.
+#[test]
+fn images_say_how_materials_reflect_light() {
+    let library = "newmtl worn\nPr 0.5\nPm 0.5\nmap_Pr rough.pgm\nmap_Pm metal.pgm\n\
+        newmtl steel\nPr 0.5\nPm 0.25\nmap_Pm metal.pgm\nnewmtl lamp\nKe 0 0 0\nmap_Ke light.ppm\n\
+        newmtl dim\nKe 0.5 0 0\nmap_Ke light.ppm\nnewmtl lost\nPr 0.5\nmap_Pr none.pgm\n\
+        newmtl worn too\nmap_Pr rough.pgm\nmap_Pm metal.pgm\n";
+    let names = ["worn", "steel", "lamp", "dim", "lost", "worn too"];
+    let faces = names
+        .map(|name| format!("usemtl {name}\nf 1 2 3\n"))
+        .concat();
+    let text = format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let budget = Budget::default();
+    let resolve = |name: &str| match name {
+        "a.mtl" => Some(library.as_bytes().to_vec()),
+        "rough.pgm" => Some(b"P5 2 1 255 \x10\x20".to_vec()),
+        "metal.pgm" => Some(b"P5 1 2 255 \x30\x40".to_vec()),
+        "light.ppm" => Some(b"P6 1 1 255 \x01\x02\x03".to_vec()),
+        _ => None,
+    };
+    let files = Held::new(&resolve, &budget);
+    let obj = read(Path::new("a.obj"), text.as_bytes(), &files, &|_| ()).expect("a good file");
+    let looks: Vec<_> = (obj.mesh.materials.iter())
+        .map(|material| material.reflectance.clone().expect("a reflectance"))
+        .collect();
+    let of = |number: usize| (looks[number].roughness, looks[number].metallic);
+    let texels = |number: usize| looks[number].texture.as_ref().map(|image| image.texels());
+    assert_eq!(of(0), (1.0, 1.0));
+    let both = [
+        [0, 16, 48, 255],
+        [0, 32, 48, 255],
+        [0, 16, 64, 255],
+        [0, 32, 64, 255],
+    ];
+    assert_eq!(texels(0), Some(&both[..]));
+    assert!(
+        matches!((&looks[0].texture, &looks[5].texture), (Some(a), Some(b)) if Arc::ptr_eq(a, b))
+    );
+    assert_eq!(of(1), (0.5, 1.0));
+    assert_eq!(texels(1), Some(&[[0, 255, 48, 255], [0, 255, 64, 255]][..]));
+    assert_eq!(
+        (looks[2].emission, looks[3].emission),
+        ([1.0; 3], [0.5, 0.0, 0.0])
+    );
+    for look in &looks[2..4] {
+        let light = look.emission_texture.as_ref().map(|image| image.texels());
+        assert_eq!(light, Some(&[[1, 2, 3, 255]][..]));
+    }
+    assert_eq!((of(4), texels(4)), ((0.5, 0.0), None));
+    let [lost] = &obj.warnings[..] else {
+        panic!("{:?}", obj.warnings)
+    };
+    assert!(
+        lost.starts_with("a.obj: its roughness in \"none.pgm\" cannot be read: "),
+        "{lost}"
+    );
+}
+
 #[test]
 fn oddities_are_counted() {
     let obj = parse("v 0 0 0 2\nv 2 0 0 1 1 1\nv 0 2 0 2 2 2 2\nf 1 2 3\n");

@@ -55,6 +55,17 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
             opacity: Opacity::Blend(alpha(1f32.next_down())),
             ..material("curtain")
         },
+        Material {
+            reflectance: Some(Arc::new(Reflectance {
+                metallic: 1.0,
+                roughness: 1.0,
+                texture: Some(image([[0, 9, 255, 255], [0, 200, 30, 255]], Wrap::Clamp)),
+                emission: [1.0, 2.0, 0.0],
+                emission_texture: Some(Arc::clone(&opaque)),
+                is_unlit: false,
+            })),
+            ..material("lamp")
+        },
         material("plain"),
         // Another look by the same name.
         Material {
@@ -66,12 +77,12 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
         },
     ];
     let data = MeshData {
-        triangles: vec![[0, 1, 2]; 7],
-        material_of_triangle: vec![0, 1, 2, 3, 4, 5, u32::MAX],
+        triangles: vec![[0, 1, 2]; 8],
+        material_of_triangle: vec![0, 1, 2, 3, 4, 5, 6, u32::MAX],
         materials: materials.clone(),
         uvs: Some(Attribute {
             values: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
-            indices: Some(vec![[0, 1, 2]; 7]),
+            indices: Some(vec![[0, 1, 2]; 8]),
         }),
         normals: None,
         ..rich()
@@ -90,14 +101,20 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
     let names: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
-        ["an image-1.png", "an image-2.png", "an image-3.png"]
+        [
+            "an image-1.png",
+            "an image-2.png",
+            "an image-3.png",
+            "an image-4.png",
+            "an image-5.png"
+        ]
     );
     let again = read_all(&scene, "a.obj", &bytes);
     let mesh = &again.objects[0].mesh;
     for (number, expected) in (0..).zip(&materials) {
         let found = mesh.material(number).expect("a material");
         let name = match number {
-            5 => "plain 2",
+            6 => "plain 2",
             _ => expected.name.as_str(),
         };
         assert_eq!(found.name, name);
@@ -114,9 +131,57 @@ fn an_obj_has_the_looks_and_images_of_its_materials() {
         assert_eq!(opacity(found), opacity(expected), "{name}");
     }
     assert_eq!(
-        mesh.material(6).map(|material| &*material.name),
+        mesh.material(7).map(|material| &*material.name),
         Some("none")
     );
+}
+
+/// An MTL's images stand for the products with its numbers, and what is full needs none.
+#[test]
+fn an_objs_images_of_roughness_and_metal_have_the_factors_in_them() {
+    let texture = |texels: [[u8; 4]; 2]| Texture::new(2, 1, texels.to_vec()).map(Arc::new);
+    let material = Material {
+        reflectance: Some(Arc::new(Reflectance {
+            metallic: 0.5,
+            roughness: 0.25,
+            texture: texture([[7, 255, 100, 255], [7, 255, 0, 255]]),
+            emission_texture: texture([[1; 4]; 2]),
+            ..Reflectance::default()
+        })),
+        ..Material::new("worn", Color([10, 20, 30]))
+    };
+    let data = MeshData {
+        triangles: vec![[0, 1, 2]],
+        material_of_triangle: vec![0],
+        materials: vec![material],
+        uvs: Some(Attribute {
+            values: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+            indices: None,
+        }),
+        normals: None,
+        ..rich()
+    };
+    let scene = scene([data]);
+    let written = library(&scene);
+    assert_eq!(written.images.len(), 1, "the emission is black");
+    assert!(
+        written.text.contains("map_Pm an image-1.png\n"),
+        "{}",
+        written.text
+    );
+    let (bytes, _) = bytes(&scene, MeshFormat::Obj);
+    let again = read_all(&scene, "a.obj", &bytes);
+    let found = again.objects[0]
+        .mesh
+        .material(0)
+        .and_then(|it| it.reflectance.clone());
+    let expected = Reflectance {
+        metallic: 1.0,
+        roughness: 0.25,
+        texture: texture([[0, 255, 50, 255], [0, 255, 0, 255]]),
+        ..Reflectance::default()
+    };
+    assert_eq!(found.as_deref(), Some(&expected));
 }
 
 /// An object's own image is that of its triangles, also of those without a material.

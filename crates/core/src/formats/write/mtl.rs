@@ -91,8 +91,8 @@ struct Writer {
     known: HashMap<(String, String), usize>,
     /// How many materials should have a name.
     taken: HashMap<String, usize>,
-    /// The numbers of images by their addresses, and whether their alpha is what is written.
-    known_images: HashMap<(usize, bool), usize>,
+    /// The numbers of images by their addresses and what is written of them.
+    known_images: HashMap<(usize, Part), usize>,
     /// What the library has not, and of how many materials.
     lost: BTreeMap<&'static str, usize>,
 }
@@ -126,13 +126,13 @@ impl Writer {
         let mut lines = color_line(material.color);
         lines += &self.opacity(&material.opacity, has_uvs)?;
         if let Some(reflectance) = &material.reflectance {
-            lines += &self.reflectance(reflectance);
+            lines += &self.reflectance(reflectance, has_uvs)?;
         }
         let own = material.texture.as_ref();
         if let Some(image) = object.texture.as_ref().or(own) {
             let projection = object.mapping.projection.unwrap_or_default();
             let is_placed = has_uvs && projection == TextureProjection::Uv;
-            lines += &self.image("map_Kd", image, is_placed)?;
+            lines += &self.image("map_Kd", (image, Part::Colors), is_placed)?;
             if object.blend_by.is_some() {
                 self.lose("weights of images");
             }
@@ -165,29 +165,46 @@ impl Writer {
             }
         }
         if let Some(image) = image {
-            lines += &self.image("map_d", image, has_uvs)?;
+            lines += &self.image("map_d", (image, Part::channel(3, 1.0)), has_uvs)?;
         }
         Ok(lines)
     }
 
-    fn reflectance(&mut self, reflectance: &Reflectance) -> String {
-        if reflectance.has_textures() {
-            self.lose("images of metal, roughness and emission");
-        }
+    fn reflectance(&mut self, reflectance: &Reflectance, has_uvs: bool) -> io::Result<String> {
         if reflectance.is_unlit {
             self.lose("that materials are unlit");
         }
-        let (metallic, roughness) = (reflectance.metallic, reflectance.roughness);
-        let [r, g, b] = reflectance.emission.map(Shortest);
-        let (metallic, roughness) = (Shortest(metallic), Shortest(roughness));
-        format!("Pm {metallic}\nPr {roughness}\nKe {r} {g} {b}\n")
+        let Reflectance {
+            metallic,
+            roughness,
+            emission,
+            ..
+        } = *reflectance;
+        let [r, g, b] = emission.map(Shortest);
+        let numbers = (Shortest(metallic), Shortest(roughness));
+        let mut lines = format!("Pm {}\nPr {}\nKe {r} {g} {b}\n", numbers.0, numbers.1);
+        if let Some(image) = &reflectance.texture {
+            // Where there is an image, a library's number does not count.
+            for (keyword, channel, factor) in [("map_Pr", 1, roughness), ("map_Pm", 2, metallic)] {
+                if (image.texels().iter()).any(|texel| texel[channel] < u8::MAX) {
+                    let part = Part::channel(channel, factor);
+                    lines += &self.image(keyword, (image, part), has_uvs)?;
+                }
+            }
+        }
+        // A black emission is one without an image.
+        let emits = emission != [0.0; 3];
+        if let Some(image) = reflectance.emission_texture.as_ref().filter(|_| emits) {
+            lines += &self.image("map_Ke", (image, Part::Colors), has_uvs)?;
+        }
+        Ok(lines)
     }
 
     /// The line of an image.
     fn image(
         &mut self,
         keyword: &str,
-        image: &Arc<Texture>,
+        (image, part): (&Arc<Texture>, Part),
         is_placed: bool,
     ) -> io::Result<String> {
         if !is_placed {
@@ -207,13 +224,12 @@ impl Writer {
                 }
             }
         };
-        let is_alpha = keyword == "map_d";
-        let key = (Arc::as_ptr(image) as usize, is_alpha);
+        let key = (Arc::as_ptr(image) as usize, part);
         let number = match self.known_images.get(&key) {
             Some(&known) => known,
             None => {
                 let name = format!("{}-{}.png", self.stem, self.images.len() + 1);
-                self.images.push((name, encode(image, is_alpha)?));
+                self.images.push((name, encode(image, part)?));
                 self.known_images.insert(key, self.images.len() - 1);
                 self.images.len() - 1
             }
@@ -239,17 +255,35 @@ pub(super) fn unit_channel(channel: u8) -> Shortest<f64> {
     Shortest((f64::from(channel) / 255.0 * 1e4).round() / 1e4)
 }
 
-/// A PNG of an image, or of its alpha as greys.
-fn encode(image: &Texture, is_alpha: bool) -> io::Result<Vec<u8>> {
+/// What is written of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Part {
+    Colors,
+    /// A channel as greys, times a factor from 0 to 1 with these bits.
+    Channel(usize, u32),
+}
+
+impl Part {
+    fn channel(channel: usize, factor: f32) -> Self {
+        Self::Channel(channel, factor.to_bits())
+    }
+}
+
+/// A PNG of an image, or of a part of it.
+fn encode(image: &Texture, part: Part) -> io::Result<Vec<u8>> {
     let texels = image.texels();
     let is_opaque = texels.iter().all(|texel| texel[3] == u8::MAX);
-    let (bytes, kind): (Vec<u8>, _) = match (is_alpha, is_opaque) {
-        (true, _) => (texels.iter().map(|texel| texel[3]).collect(), L8),
-        (false, true) => (
+    let (bytes, kind): (Vec<u8>, _) = match (part, is_opaque) {
+        (Part::Channel(channel, factor), _) => {
+            let factor = f32::from_bits(factor);
+            let grey = |texel: &[u8; 4]| (f32::from(texel[channel]) * factor).round() as u8;
+            (texels.iter().map(grey).collect(), L8)
+        }
+        (Part::Colors, true) => (
             texels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect(),
             Rgb8,
         ),
-        (false, false) => (texels.as_flattened().to_vec(), Rgba8),
+        (Part::Colors, false) => (texels.as_flattened().to_vec(), Rgba8),
     };
     let mut file = Vec::new();
     PngEncoder::new(&mut file)
