@@ -16,7 +16,7 @@ pub(crate) struct EyeTriangle {
 
 impl EyeTriangle {
     /// The numerator of the parameter where rays meet the triangle's plane, accurate to single precision. `None` where it is
-    /// zero, or so small that digits of it may be lost.
+    /// zero, or so small that it might be less than any double.
     pub(super) fn numerator(&self, eye: DVec3, triangle: &OffsetTriangle) -> Option<Determinant> {
         *self.numerator.get_or_init(|| {
             let numerator = distance_of_eye(eye, triangle);

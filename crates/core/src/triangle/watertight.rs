@@ -514,16 +514,19 @@ mod tests {
         }
     }
 
-    /// The numerator of this ray's parameter is 10⁻³⁸⁰, which no double is: not zero, as in a plane that contains the origin.
+    /// The numerator of this ray's parameter is about 10⁻³⁸⁰, which no double is: not zero, as in a plane that contains the
+    /// origin.
     #[test]
     fn a_numerator_less_than_any_double_is_not_zero() {
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]]
-            .map(|[x, y]| Vec3::new(x, y, 0.0) * 2f32.powi(-132));
-        let ray = Ray::new(DVec3::Z * 1e-300, DVec3::NEG_Z);
+        let corners = [[1.0, -1.0], [-1.0, -1.0], [2.0, 3.0]]
+            .map(|[x, z]| Vec3::new(x, x, z) * 2f32.powi(-132));
+        let ray = Ray::new(DVec3::X * 1e-300, DVec3::new(-1.0, 1.0, 0.25));
         let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
-        let hit = prepared.expect("a valid ray").hit_on(0, corners);
-        assert!(!hit.is_miss());
-        assert!((hit.t - 1e-300).abs() <= 1e-315, "{}", hit.t);
+        let prepared = prepared.expect("a valid ray");
+        let determinants = prepared.componentwise(corners);
+        assert!(determinants.is_some_and(|all| all.have_sure_weights()));
+        let hit = prepared.hit_on(0, corners);
+        assert!((hit.t - 5e-301).abs() <= 1e-315, "{}", hit.t);
     }
 
     /// Rays through edges and corners except for rounding: close to the eye and far from it, and with a rounded eye.
