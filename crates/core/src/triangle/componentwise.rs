@@ -345,7 +345,7 @@ pub(super) fn eye_distance(
             first = corner;
         }
     }
-    // With the way to the corner and the one from it: (C−A)×(B−A), A being the first, is (A−C)×(B−A) turned.
+    // (B−A)×(C−A) is (A−C)×(B−A): the way to the corner times the way from it.
     let pair = (&ways[(first + 2) % 3], &ways[first]);
     Some(best_determinant(&corners[first], &[pair]))
 }

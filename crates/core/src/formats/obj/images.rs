@@ -17,8 +17,7 @@ pub(super) struct Images<'f> {
     path: &'f Path,
     files: &'f dyn Files,
     warnings: &'f mut Vec<String>,
-    /// `None` for one that cannot be read, of which a warning says why.
-    /// With whether it is clamped.
+    /// By file, and whether it is clamped; `None` for one that cannot be read, of which a warning says why.
     known: HashMap<(PathBuf, bool), Option<Arc<Texture>>>,
     /// Images that were read before they were asked for.
     ahead: HashMap<PathBuf, Result<Texture, FormatError>>,
@@ -51,11 +50,13 @@ impl<'f> Images<'f> {
             .flat_map(|(material, library)| {
                 let images = &material.images;
                 let color = images.color.as_ref().filter(|_| colors);
-                let others = [&images.opacity, &images.roughness];
-                let others = others
-                    .into_iter()
-                    .chain([&images.metallic, &images.emission]);
-                let all = color.into_iter().chain(others.flatten());
+                let others = [
+                    &images.opacity,
+                    &images.roughness,
+                    &images.metallic,
+                    &images.emission,
+                ];
+                let all = color.into_iter().chain(others.into_iter().flatten());
                 all.map(|image| beside(library, &image.name))
             })
             .collect();
@@ -159,11 +160,12 @@ impl<'f> Images<'f> {
     /// Reads a material's images of roughness, metal and emission. The former two replace the library's numbers, which
     /// exporters write beside them; emission is multiplied by its colour, unless that is black or missing.
     pub(super) fn read_reflectance(&mut self, library: &Path, material: &mut MtlMaterial) {
-        let Some(reflectance) = &material.material.reflectance else {
+        let images = &material.images;
+        let reflectance = material.material.reflectance.as_ref();
+        let Some(reflectance) = reflectance.filter(|_| images.reflect()) else {
             return;
         };
         let mut found = Reflectance::clone(reflectance);
-        let images = &material.images;
         let mut read = |image: &Option<MtlImage>, what| {
             (image.as_ref()).and_then(|image| self.read(library, image, what))
         };

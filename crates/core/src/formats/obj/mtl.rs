@@ -61,7 +61,7 @@ impl MtlImages {
     }
 
     /// Whether any says how light is reflected.
-    fn reflect(&self) -> bool {
+    pub(super) fn reflect(&self) -> bool {
         [&self.roughness, &self.metallic, &self.emission]
             .iter()
             .any(|image| image.is_some())
