@@ -30,11 +30,11 @@
 //!   needs 8, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
 //!   afterwards, as in `setup`. Units of depth are powers of two, and round nothing.
 //!
-//! * **Exact factors.** From an eye that is not off, P₀·n is computed exactly where its sign is not clear, and P×Q where an
+//! * **Closer factors.** From an eye that is not off, P₀·n is computed again where its sign is not clear, and P×Q where an
 //!   edge function is off by more than [`RECOMPUTE_ABOVE`] of itself: planes, or edges' lines, that pass the eye within
-//!   roundings. Each is rounded once, by 1.01ε of itself: the bound of products stays 12ε, and 4ε is taken for P₀·n.
-//!   Untested, because dominated: the latter is far below [`LINEAR_ERROR`], by which the key is off too, and of the nine
-//!   roundings in the former the 20εB along rays have room for eight.
+//!   roundings. In double-double arithmetic, or exactly where that does not suffice, P×Q is off by 2.01ε of itself: the
+//!   bound of products stays 12ε. Untested, because dominated: P₀·n's error is far below [`LINEAR_ERROR`], by which the
+//!   key is off too, and of the ten roundings of products the 20εB along rays have room for eight.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!
@@ -44,16 +44,16 @@ use super::setup::{FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, Tri
 use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
-use crate::triangle::exact::{OffsetTriangle, cross_from};
+use crate::triangle::exact::OffsetTriangle;
 use crate::triangle::plane::distance_of_eye;
-use crate::triangle::{CornerLanes, Determinant};
+use crate::triangle::{CornerLanes, Determinant, cross_from};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
 const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed exactly:
-/// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed exactly that leave few
+/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed again:
+/// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed again that leave few
 /// rays undecided; with a greater one all rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
@@ -315,11 +315,11 @@ impl PacketSpace {
             return (function, error);
         }
         let value = cross_from(self.origin, corners);
-        let exact = Bounded {
+        let closer = Bounded {
             value,
             error: value.abs() * (12.0 * EPSILON),
         };
-        self.edge_function(&exact, u)
+        self.edge_function(&closer, u)
     }
 
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two

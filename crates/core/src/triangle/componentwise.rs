@@ -168,6 +168,12 @@ impl WideFactor {
             size: Factor::exact(rounded),
         }
     }
+
+    /// From a corner to another.
+    fn way([from, to]: [Vec3; 2]) -> Self {
+        let difference = |axis| DoubleDouble::difference(to[axis].into(), from[axis].into());
+        Self::of([0, 1, 2].map(difference))
+    }
 }
 
 /// A triangle's corners A, B and C relative to an eye, and the ways from A to B, B to C and C to A.
@@ -185,14 +191,10 @@ impl EyeFactors {
             let place = axes.map(|axis| tree_origin[axis] + f64::from(corner[axis]).into());
             WideFactor::of(place)
         };
-        let way = |from: Vec3, to: Vec3| {
-            let difference = |axis| DoubleDouble::difference(to[axis].into(), from[axis].into());
-            WideFactor::of(axes.map(difference))
-        };
         let [a, b, c] = corners;
         let factors = Self {
             corners: corners.map(relative),
-            ways: [way(a, b), way(b, c), way(c, a)],
+            ways: [[a, b], [b, c], [c, a]].map(WideFactor::way),
         };
         let mut all = factors.corners.iter().chain(&factors.ways);
         let in_range = all.all(|factor| factor.size.in_range().all());
@@ -215,23 +217,11 @@ struct EyeCross {
 }
 
 impl EyeCross {
-    /// From A and C relative to the eye, or the way from one to the other and either: of equal products the one with the
-    /// least terms.
     fn new(a: &WideFactor, c: &WideFactor, way: &WideFactor) -> Self {
-        let terms = |(b, c): (&WideFactor, &WideFactor)| {
-            let (b, c) = (b.size.size, c.size.size);
-            b.yzx() * c.zxy() + b.zxy() * c.yzx()
-        };
-        let mut best = (a, c);
-        for other in [(a, way), (c, way)] {
-            if terms(other).element_sum() < terms(best).element_sum() {
-                best = other;
-            }
-        }
-        let value = DVec3::from_array(cross(best.0.value, best.1.value).map(|x| x.high));
+        let (value, off) = rounded_cross(a, c, way);
         Self {
             value,
-            error: terms(best) * (16.0 * EPSILON * EPSILON) + value.abs() * (5.0 * EPSILON),
+            error: off + value.abs() * (5.0 * EPSILON),
         }
     }
 
@@ -241,6 +231,42 @@ impl EyeCross {
             error: direction.abs().dot(self.error),
         }
     }
+}
+
+/// The cross product of two factors, rounded to double precision, and of each component the bound on its error before that
+/// rounding (see [`EyeCross`]). `way` leads from one to the other: of equal products the one with the least terms is computed.
+fn rounded_cross(a: &WideFactor, c: &WideFactor, way: &WideFactor) -> (DVec3, DVec3) {
+    let pairs = [(a, c), (a, way), (c, way)];
+    let terms = pairs.map(|(b, c)| {
+        let (b, c) = (b.size.size, c.size.size);
+        b.yzx() * c.zxy() + b.zxy() * c.yzx()
+    });
+    let sums = terms.map(|terms| terms.element_sum());
+    let mut best = 0;
+    for other in 1..3 {
+        if sums[other] < sums[best] {
+            best = other;
+        }
+    }
+    let (b, c) = pairs[best];
+    let value = cross(b.value, c.value).map(|x| x.high);
+    let off = terms[best] * (16.0 * EPSILON * EPSILON);
+    (DVec3::from_array(value), off)
+}
+
+/// The cross product of two corners relative to an eye, each component within 2.01ε of itself. `None` where double-double
+/// arithmetic does not suffice.
+pub(super) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> Option<DVec3> {
+    let relative = |corner: Vec3| {
+        let difference = |axis| DoubleDouble::difference(corner[axis].into(), eye[axis]);
+        WideFactor::of([0, 1, 2].map(difference))
+    };
+    let ([a, c], way) = (corners.map(relative), WideFactor::way(corners));
+    let in_range = [&a, &c, &way].map(|factor| factor.size.in_range().all());
+    let (value, off) = rounded_cross(&a, &c, &way);
+    // NaN fails this comparison.
+    let is_close = off.cmple(value.abs() * EPSILON).all();
+    (is_close && !in_range.contains(&false)).then_some(value)
 }
 
 /// What the determinants of rays from one eye share.

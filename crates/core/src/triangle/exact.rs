@@ -177,7 +177,7 @@ pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> f64 {
 }
 
 /// The cross product of two corners relative to an eye, each component rounded to within a unit in the last place.
-pub(crate) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
+pub(super) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
     fn of<I: Integer>(points: [DVec3; 3], lengths: Scale) -> DVec3 {
         let [p, q, eye] = points.map(|point| lengths.vector::<I>(point));
         let product = cross(&subtract(&p, &eye), &subtract(&q, &eye));

@@ -1,9 +1,9 @@
 //! What rays from one eye share of a triangle.
 
-use super::componentwise::{Determinant, EyeDeterminants};
-use super::exact::OffsetTriangle;
+use super::componentwise::{self, Determinant, EyeDeterminants};
+use super::exact::{self, OffsetTriangle};
 use super::plane::{LEAST_SURE, distance_of_eye};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::cell::OnceCell;
 
 /// What the rays from one eye share of one triangle, each part computed when it is first asked for. A ray of its own has one
@@ -36,4 +36,10 @@ impl EyeTriangle {
         };
         self.determinants.get_or_init(new).as_ref()
     }
+}
+
+/// The cross product of two corners relative to an eye, each component within 2.01ε of itself: in double-double arithmetic
+/// where that suffices, else exactly.
+pub(crate) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
+    componentwise::cross_from(eye, corners).unwrap_or_else(|| exact::cross_from(eye, corners))
 }
