@@ -32,7 +32,7 @@ pub(super) fn show(context: &egui::Context, state: &State, out: &mut Commands) {
             .show(ui, |ui| {
                 let gestures = input::gestures(state.preferences.mouse);
                 let gestures = gestures.map(|g| (g.gesture.to_owned(), g.does));
-                table(ui, "Mouse", gestures);
+                table(ui, "Mouse and clipboard", gestures);
                 let keymap = Keymap::of(context);
                 for menu in Menu::ALL {
                     let keys = |keys: &[Chord]| {

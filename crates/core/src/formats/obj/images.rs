@@ -48,16 +48,9 @@ impl<'f> Images<'f> {
     ) {
         let wanted: BTreeSet<PathBuf> = materials
             .flat_map(|(material, library)| {
-                let images = &material.images;
-                let color = images.color.as_ref().filter(|_| colors);
-                let others = [
-                    &images.opacity,
-                    &images.roughness,
-                    &images.metallic,
-                    &images.emission,
-                ];
-                let all = color.into_iter().chain(others.into_iter().flatten());
-                all.map(|image| beside(library, &image.name))
+                let all = material.images.by_keyword().into_iter();
+                let all = all.skip(usize::from(!colors));
+                all.filter_map(|(_, image)| Some(beside(library, &image?.name)))
             })
             .collect();
         if wanted.len() < 2 {

@@ -29,7 +29,8 @@ pub(super) struct MtlImages {
 }
 
 impl MtlImages {
-    fn by_keyword(&mut self) -> [(&'static str, &mut Option<MtlImage>); 5] {
+    /// All of them, that of colour first.
+    pub(super) fn by_keyword(&self) -> [(&'static str, Option<&MtlImage>); 5] {
         let Self {
             color,
             opacity,
@@ -38,25 +39,29 @@ impl MtlImages {
             emission,
         } = self;
         [
-            ("map_Kd", color),
-            ("map_d", opacity),
-            ("map_Pr", roughness),
-            ("map_Pm", metallic),
-            ("map_Ke", emission),
+            ("map_Kd", color.as_ref()),
+            ("map_d", opacity.as_ref()),
+            ("map_Pr", roughness.as_ref()),
+            ("map_Pm", metallic.as_ref()),
+            ("map_Ke", emission.as_ref()),
         ]
+    }
+
+    fn set(&mut self, keyword: &str, image: MtlImage) {
+        let place = match keyword {
+            "map_Kd" => &mut self.color,
+            "map_d" => &mut self.opacity,
+            "map_Pr" => &mut self.roughness,
+            "map_Pm" => &mut self.metallic,
+            _ => &mut self.emission,
+        };
+        *place = Some(image);
     }
 
     /// How the material's texture coordinates are moved: all its images share them.
     pub(super) fn options(&self) -> MapOptions {
-        let Self {
-            color,
-            opacity,
-            roughness,
-            metallic,
-            emission,
-        } = self;
-        let all = [color, opacity, roughness, metallic, emission];
-        let first = all.into_iter().flatten().next();
+        let mut all = self.by_keyword().into_iter();
+        let first = all.find_map(|(_, image)| image);
         first.map_or_else(MapOptions::default, |image| image.options)
     }
 
@@ -103,9 +108,8 @@ pub(super) fn read(
                     warn(&format!("a file behind `{keyword}`"));
                     continue;
                 };
-                let all = looks.last_mut().map(|look| look.images.by_keyword());
-                for (_, place) in all.into_iter().flatten().filter(|(it, _)| *it == keyword) {
-                    *place = Some(image.clone());
+                if let Some(look) = looks.last_mut() {
+                    look.images.set(keyword, image);
                 }
             }
             "d" | "Tr" => match opacity(rest) {
@@ -150,8 +154,8 @@ pub(super) fn read(
         Ok((materials, _)) => {
             let looks = looks.into_iter().chain(std::iter::repeat(Look::default()));
             let all = materials.into_iter().zip(looks);
-            all.map(|(material, mut look)| {
-                count_options(&mut look.images, unused);
+            all.map(|(material, look)| {
+                count_options(&look.images, unused);
                 convert(material, look)
             })
             .collect()
@@ -164,11 +168,11 @@ pub(super) fn read(
 }
 
 /// Counts options of images that are not obeyed.
-fn count_options(images: &mut MtlImages, unused: &mut Unused) {
+fn count_options(images: &MtlImages, unused: &mut Unused) {
     let moves = images.options();
     for (keyword, image) in images.by_keyword() {
         let is_odd = |image: &MtlImage| image.has_others || !image.options.moves_as(&moves);
-        if image.as_ref().is_some_and(is_odd) {
+        if image.is_some_and(is_odd) {
             *unused.entry(format!("options of {keyword}")).or_default() += 1;
         }
     }
