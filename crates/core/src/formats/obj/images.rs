@@ -242,7 +242,9 @@ fn reflectance_image(
     let height = given().map(|share| share.height()).max().unwrap_or(1);
     let bytes = 4 * u64::from(width) * u64::from(height);
     let counted = budget.share(path, "images of roughness and metal", bytes)?;
-    let texels = (0..height).flat_map(|y| {
+    // At once, as it is counted: collecting would grow by doubling.
+    let mut texels = Vec::with_capacity(width as usize * height as usize);
+    texels.extend((0..height).flat_map(|y| {
         (0..width).map(move |x| {
             let [roughness, metallic] = shares.each_ref().map(|share| {
                 share.as_ref().map_or(u8::MAX, |share| {
@@ -256,8 +258,8 @@ fn reflectance_image(
             });
             [0, roughness, metallic, u8::MAX]
         })
-    });
-    let texture = Texture::new(width, height, texels.collect());
+    }));
+    let texture = Texture::new(width, height, texels);
     counted.keep(bytes);
     let wrap = given()
         .next()
