@@ -141,18 +141,9 @@ impl Picture {
         rest.pixels.copy_from_slice(&self.pixels[at..]);
         self.pixels.truncate(at);
         if let (Some(from), Some(to)) = (&mut self.layers, &mut rest.layers) {
-            to.color.copy_from_slice(&from.color[at..]);
-            to.depth.copy_from_slice(&from.depth[at..]);
-            to.object.copy_from_slice(&from.object[at..]);
-            to.triangle.copy_from_slice(&from.triangle[at..]);
-            to.normal.copy_from_slice(&from.normal[at..]);
-            to.uv.copy_from_slice(&from.uv[at..]);
-            from.color.truncate(at);
-            from.depth.truncate(at);
-            from.object.truncate(at);
-            from.triangle.truncate(at);
-            from.normal.truncate(at);
-            from.uv.truncate(at);
+            let count = to.depth.len();
+            to.all().copy(0, from, at, count);
+            from.resize(at);
         }
         self.height = rows;
         Ok(rest)
@@ -167,15 +158,18 @@ impl Picture {
         if !fits || !have_pixels(rect, pixels, layers) {
             return false;
         }
-        let width = self.width as usize;
-        copy_rows(&mut self.pixels, width, rect, pixels);
+        let (width, columns) = (self.width as usize, rect.width as usize);
+        let left = rect.x as usize;
+        let rows = rect.y as usize..rect.bottom() as usize;
+        for (row, pixels) in rows.clone().zip(pixels.chunks_exact(columns.max(1))) {
+            let begin = row * width + left;
+            self.pixels[begin..begin + columns].copy_from_slice(pixels);
+        }
         if let (Some(mine), Some(theirs)) = (&mut self.layers, layers) {
-            copy_rows(&mut mine.color, width, rect, &theirs.color);
-            copy_rows(&mut mine.depth, width, rect, &theirs.depth);
-            copy_rows(&mut mine.object, width, rect, &theirs.object);
-            copy_rows(&mut mine.triangle, width, rect, &theirs.triangle);
-            copy_rows(&mut mine.normal, width, rect, &theirs.normal);
-            copy_rows(&mut mine.uv, width, rect, &theirs.uv);
+            let mine = mine.rows(width).skip(rows.start).take(rows.len());
+            for (row, mut mine) in mine.enumerate() {
+                mine.copy(left, theirs, row * columns, columns);
+            }
         }
         true
     }
@@ -185,16 +179,4 @@ impl Picture {
 pub(super) fn have_pixels(rect: Rect, pixels: &[[u8; 4]], layers: Option<&Layers>) -> bool {
     let mut lengths = layers.iter().flat_map(|layers| layers.lengths());
     pixels.len() == rect.area() && lengths.all(|count| count == rect.area())
-}
-
-/// Copies a rectangle's rows into a picture `width` wide.
-fn copy_rows<T: Copy>(picture: &mut [T], width: usize, rect: Rect, rows: &[T]) {
-    let columns = rect.width as usize;
-    if columns == 0 {
-        return;
-    }
-    for (row, values) in rows.chunks_exact(columns).enumerate() {
-        let start = (rect.y as usize + row) * width + rect.x as usize;
-        picture[start..start + columns].copy_from_slice(values);
-    }
 }

@@ -1,7 +1,7 @@
 //! A picture's tiles, split among workers.
 
 use super::image::have_pixels;
-use super::{Layers, Picture};
+use super::{LayerRow, Layers, Picture};
 use crate::camera::{Grid, Rect};
 use std::ops::Range;
 
@@ -12,18 +12,8 @@ pub struct Strip<'p> {
     pub tiles: Vec<Rect>,
     /// The pixels of all of them, row by row.
     pub rows: Vec<&'p mut [[u8; 4]]>,
-    layers: Option<LayerRows<'p>>,
-}
-
-/// The rows of a strip's [`Layers`].
-#[derive(Debug)]
-struct LayerRows<'p> {
-    color: Vec<&'p mut [[f32; 4]]>,
-    depth: Vec<&'p mut [f32]>,
-    object: Vec<&'p mut [u32]>,
-    triangle: Vec<&'p mut [u32]>,
-    normal: Vec<&'p mut [[f32; 3]]>,
-    uv: Vec<&'p mut [[f32; 2]]>,
+    /// The layers of these pixels, row by row; empty where the picture has none.
+    pub layers: Vec<LayerRow<'p>>,
 }
 
 impl Picture {
@@ -39,16 +29,23 @@ impl Picture {
             left -= band.len();
             strips.extend(band.chunks(most).map(<[_]>::to_vec));
         }
-        let rows = deal(&mut self.pixels, &strips);
-        let mut layers = (self.layers.as_mut())
-            .map(|layers| LayerRows::deal(layers, &strips))
-            .into_iter()
-            .flatten();
-        (strips.into_iter().zip(rows))
-            .map(|(tiles, rows)| Strip {
+        let mut pixels = &mut *self.pixels;
+        let rows = deal(&strips, |columns| {
+            let columns = columns.min(pixels.len());
+            pixels.split_off_mut(..columns).unwrap_or_default()
+        });
+        let layers = match &mut self.layers {
+            Some(layers) => {
+                let mut left = layers.all();
+                deal(&strips, |columns| left.split_off(columns))
+            }
+            None => strips.iter().map(|_| Vec::new()).collect(),
+        };
+        (strips.into_iter().zip(rows).zip(layers))
+            .map(|((tiles, rows), layers)| Strip {
                 tiles,
                 rows,
-                layers: layers.next(),
+                layers,
             })
             .collect()
     }
@@ -60,6 +57,20 @@ impl Strip<'_> {
         part_of(&mut self.rows, columns(&self.tiles, rect))
     }
 
+    /// The same rows, with their layers; none where the picture has no layers.
+    pub(crate) fn layered_rows_of(
+        &mut self,
+        rect: Rect,
+    ) -> impl Iterator<Item = (&mut [[u8; 4]], LayerRow<'_>)> {
+        let columns = columns(&self.tiles, rect);
+        let layers = self.layers.iter_mut();
+        let layers = layers.map({
+            let columns = columns.clone();
+            move |row| row.part(columns.clone())
+        });
+        part_of(&mut self.rows, columns).zip(layers)
+    }
+
     /// Copies the pixels of a rectangle within the tiles, of their height (and layers, where both have them).
     ///
     /// Returns `false`, without copying, where a list has a wrong length.
@@ -68,14 +79,14 @@ impl Strip<'_> {
             return false;
         }
         let columns = columns(&self.tiles, rect);
-        copy_rows(&mut self.rows, &columns, pixels);
-        if let (Some(mine), Some(theirs)) = (&mut self.layers, layers) {
-            copy_rows(&mut mine.color, &columns, &theirs.color);
-            copy_rows(&mut mine.depth, &columns, &theirs.depth);
-            copy_rows(&mut mine.object, &columns, &theirs.object);
-            copy_rows(&mut mine.triangle, &columns, &theirs.triangle);
-            copy_rows(&mut mine.normal, &columns, &theirs.normal);
-            copy_rows(&mut mine.uv, &columns, &theirs.uv);
+        let values = pixels.chunks_exact(columns.len().max(1));
+        for (row, values) in part_of(&mut self.rows, columns.clone()).zip(values) {
+            row.copy_from_slice(values);
+        }
+        if let Some(layers) = layers {
+            for (row, mine) in self.layers.iter_mut().enumerate() {
+                mine.copy(columns.start, layers, row * columns.len(), columns.len());
+            }
         }
         true
     }
@@ -95,43 +106,8 @@ fn part_of<'r, T>(
     (rows.iter_mut()).filter_map(move |row| row.get_mut(columns.clone()))
 }
 
-/// Copies values, row by row, into some columns of rows.
-fn copy_rows<T: Copy>(rows: &mut [&mut [T]], columns: &Range<usize>, values: &[T]) {
-    let values = values.chunks_exact(columns.len().max(1));
-    for (row, values) in part_of(rows, columns.clone()).zip(values) {
-        row.copy_from_slice(values);
-    }
-}
-
-impl<'p> LayerRows<'p> {
-    /// Those of each strip.
-    fn deal(layers: &'p mut Layers, strips: &[Vec<Rect>]) -> impl Iterator<Item = Self> + use<'p> {
-        let Layers {
-            color,
-            depth,
-            object,
-            triangle,
-            normal,
-            uv,
-        } = layers;
-        let numbers = deal(object, strips).into_iter().zip(deal(triangle, strips));
-        let vectors = deal(normal, strips).into_iter().zip(deal(uv, strips));
-        let lights = deal(color, strips).into_iter().zip(deal(depth, strips));
-        lights.zip(numbers).zip(vectors).map(
-            |(((color, depth), (object, triangle)), (normal, uv))| Self {
-                color,
-                depth,
-                object,
-                triangle,
-                normal,
-                uv,
-            },
-        )
-    }
-}
-
-/// Deals a picture's values, row by row: to each strip its columns of each row.
-fn deal<'p, T>(mut values: &'p mut [T], strips: &[Vec<Rect>]) -> Vec<Vec<&'p mut [T]>> {
+/// Deals a picture's rows to strips: to each its columns of each row. `next` gives the next so many columns, row by row.
+fn deal<R>(strips: &[Vec<Rect>], mut next: impl FnMut(usize) -> R) -> Vec<Vec<R>> {
     let mut all = Vec::with_capacity(strips.len());
     for band in strips.chunk_by(|one, next| one[0].y == next[0].y) {
         let first = all.len();
@@ -140,10 +116,7 @@ fn deal<'p, T>(mut values: &'p mut [T], strips: &[Vec<Rect>]) -> Vec<Vec<&'p mut
         for _ in 0..height {
             for (rows, tiles) in all[first..].iter_mut().zip(band) {
                 let columns: u32 = tiles.iter().map(|tile| tile.width).sum();
-                let columns = (columns as usize).min(values.len());
-                let (row, after) = std::mem::take(&mut values).split_at_mut(columns);
-                rows.push(row);
-                values = after;
+                rows.push(next(columns as usize));
             }
         }
     }

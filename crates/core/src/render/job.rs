@@ -1,7 +1,7 @@
 //! A tile, which the passes of progressive rendering refine.
 
 use super::buffers::Buffers;
-use super::tile_renderer::TileRenderer;
+use super::tile_renderer::{TileRenderer, fill_with_misses};
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
@@ -16,7 +16,7 @@ pub(super) struct Job {
     sub_camera: SubCamera,
     pixels: Vec<[u8; 4]>,
     /// Weighted sums of the samples so far, in linear light with premultiplied alpha. Empty while pixels have one
-    /// sample and no layers.
+    /// sample.
     sums: Vec<[f32; 4]>,
     layers: Option<Layers>,
     /// Samples a pixel cast so far.
@@ -54,8 +54,8 @@ impl Job {
         renderer.stats
     }
 
-    /// Renders a strip of neighbouring tiles into the picture, with one sample a pixel; `sink` receives each tile's
-    /// statistics.
+    /// Renders a strip of neighbouring tiles into the picture, with one sample a pixel, and its layers if it has any; `sink`
+    /// receives each tile's statistics.
     ///
     /// Adjacent tiles without hits are filled together: a picture exceeds the caches, and long rows are written to
     /// memory twice as fast as short ones. The time is added to the last of these tiles.
@@ -67,10 +67,14 @@ impl Job {
         sink: &dyn Fn(&TileStats),
     ) {
         let shader = buffers.shader.shader();
+        let has_layers = view.settings.layers && !strip.layers.is_empty();
         let mut empty: Option<(Rect, TileStats)> = None;
         let fill = |strip: &mut Strip<'_>, (rect, mut stats): (Rect, TileStats)| {
             let begin = clock();
-            shader.shade_nothing(rect, strip.rows_of(rect));
+            match has_layers {
+                true => fill_with_misses(shader, rect, strip.layered_rows_of(rect)),
+                false => shader.shade_nothing(rect, strip.rows_of(rect)),
+            }
             stats.shade += clock().saturating_sub(begin);
             sink(&stats);
         };
@@ -95,7 +99,10 @@ impl Job {
             if let Some(empty) = empty.take() {
                 fill(strip, empty);
             }
-            renderer.shade_hits(&lattice, tile, strip.rows_of(tile));
+            match has_layers {
+                true => renderer.shade_hits_with_layers(&lattice, strip.layered_rows_of(tile)),
+                false => renderer.shade_hits(&lattice, tile, strip.rows_of(tile)),
+            }
             sink(&renderer.stats);
         }
         if let Some(empty) = empty {
@@ -116,10 +123,12 @@ impl Job {
         let mut renderer = TileRenderer::new(view, clock, buffers);
         self.pixels.resize(self.sub_camera.rect.area(), [0; 4]);
         let stride = pass.stride.max(1);
-        if pass.samples <= 1 && !view.settings.layers {
-            self.refine(&mut renderer, stride);
-        } else {
+        if pattern.samples().len() > 1 && (pass.samples > 1 || view.settings.layers) {
             self.accumulate(&mut renderer, pattern, pass.samples.max(1) as usize);
+        } else if view.settings.layers {
+            self.paint_layers(&mut renderer);
+        } else {
+            self.refine(&mut renderer, stride);
         }
         renderer.stats
     }
@@ -145,7 +154,7 @@ impl Job {
             return;
         }
         renderer.find(lattice);
-        renderer.interpolate(lattice);
+        renderer.interpolate(lattice, false);
         let rect = self.sub_camera.rect;
         let left = (lattice.x - rect.x) as usize;
         let section = renderer.section();
@@ -186,6 +195,16 @@ impl Job {
         });
     }
 
+    /// Casts the only sample of every pixel, and takes its layers.
+    fn paint_layers(&mut self, renderer: &mut TileRenderer<'_, '_>) {
+        let columns = self.sub_camera.rect.width.max(1) as usize;
+        let layers = self.layers.get_or_insert_default();
+        layers.resize(self.pixels.len());
+        let rows = self.pixels.chunks_mut(columns).zip(layers.rows(columns));
+        renderer.paint_with_layers(self.sub_camera, rows);
+        self.samples = 1;
+    }
+
     /// Casts samples until every pixel has `count` of them; with the first, layers if the settings ask for them.
     fn accumulate(
         &mut self,
@@ -196,12 +215,8 @@ impl Job {
         // Passes of one sample keep 8-bit pixels alone, so the first sample is cast again. Keeping its sums as well
         // would cost every picture that never gets a second sample.
         let samples = pattern.samples();
-        // Layers of the only sample are its light, and need no sums.
-        let is_single = samples.len() == 1 && renderer.view.settings.layers;
         if self.sums.is_empty() {
-            if !is_single {
-                self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
-            }
+            self.sums = vec![[0.0; 4]; self.sub_camera.rect.area()];
             self.samples = 0;
         }
         let count = count.min(samples.len());
@@ -209,29 +224,20 @@ impl Job {
             let mut lattice = self.sub_camera.lattice();
             lattice.offset = sample.offset;
             let weight = sample.weight;
+            let has_layers = index == 0 && renderer.view.settings.layers;
             renderer.find(&lattice);
-            renderer.interpolate(&lattice);
+            renderer.interpolate(&lattice, has_layers);
+            renderer.light(&lattice);
             let sums = &mut self.sums;
-            let sections = renderer.section_samples(&lattice);
             renderer.shade(|buffers| {
-                let mut light = std::mem::take(&mut buffers.light);
-                if buffers.casts_secondary_rays() {
-                    buffers.light_with_secondary_rays(&lattice, &mut light);
-                } else {
-                    buffers.shader.light(&lattice, &buffers.hits, &mut light);
-                }
-                if let Some((section, shown)) = &sections {
-                    for (light, &shown) in light.iter_mut().zip(shown) {
-                        *light = section.color(shown).unwrap_or(*light);
-                    }
-                }
-                for (sum, light) in sums.iter_mut().zip(&light) {
+                for (sum, light) in sums.iter_mut().zip(&buffers.light) {
                     *sum = with_sample(sum, light, weight);
                 }
-                buffers.light = light;
             });
-            if index == 0 && renderer.view.settings.layers {
-                let layers = renderer.layers(&lattice);
+            if has_layers {
+                let mut layers = renderer.buffers.layers.take().unwrap_or_default();
+                layers.resize(lattice.len());
+                renderer.channels(&lattice, layers.rows(lattice.columns as usize));
                 self.layers = Some(layers);
             }
         }
@@ -247,25 +253,12 @@ impl Job {
             let [r, g, b] = [r, g, b].map(|light| light.clamp(0.0, alpha));
             [r, g, b, alpha]
         };
-        let means = match (&mut self.layers, samples) {
-            (Some(layers), [only]) if is_single => {
-                let light = &renderer.buffers.light;
-                layers.color.clear();
-                (layers.color).extend(
-                    (light.iter()).map(|one| mean(&with_sample(&[0.0; 4], one, only.weight))),
-                );
-                &layers.color
-            }
-            (layers, _) => {
-                let means = match layers {
-                    Some(layers) => &mut layers.color,
-                    None => &mut renderer.buffers.light,
-                };
-                means.clear();
-                means.extend(self.sums.iter().map(mean));
-                means
-            }
+        let means = match &mut self.layers {
+            Some(layers) => &mut layers.color,
+            None => &mut renderer.buffers.light,
         };
+        means.clear();
+        means.extend(self.sums.iter().map(mean));
         let simd = renderer.view.accel.simd();
         shade::encode_all_premultiplied(simd, means, &mut self.pixels);
     }

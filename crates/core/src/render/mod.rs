@@ -8,6 +8,8 @@ mod eyes;
 mod instance_tests;
 mod job;
 #[cfg(test)]
+mod layer_tests;
+#[cfg(test)]
 mod mask_tests;
 mod parallel;
 mod pass;

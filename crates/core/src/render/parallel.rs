@@ -74,7 +74,7 @@ impl View {
         let shader = self.shader();
         let legend = self.drawn_legend(&shader);
         let buffers = || Buffers::new(self, &shader);
-        if self.settings.samples <= 1 && !self.settings.layers {
+        if self.settings.samples <= 1 {
             // Long strips first, for long rows of pixels, and short ones at the end, so that no worker waits long for
             // the others (Polychronopoulos and Kuck, "Guided Self-Scheduling", 1987).
             let share = 4 * rayon::current_num_threads();
@@ -89,7 +89,8 @@ impl View {
             });
             drop(strips);
             if let Some(legend) = legend {
-                legend.over(rect, &mut picture.pixels, None);
+                let colors = picture.layers.as_mut().map(|layers| &mut *layers.color);
+                legend.over(rect, &mut picture.pixels, colors);
             }
             return is_done;
         }

@@ -4,8 +4,8 @@ use super::TileStats;
 use super::buffers::Buffers;
 use super::view::{Clock, Settings, View};
 use crate::camera::{Lattice, Rect, SubCamera};
-use crate::hit::{Detail, HitNumbers, MISS};
-use crate::picture::Layers;
+use crate::hit::{Detail, MISS};
+use crate::picture::LayerRow;
 use crate::shade::{self, Channels, Cut, Section, Shader, Shown};
 use std::time::Duration;
 
@@ -158,7 +158,7 @@ impl<'a, 's> TileRenderer<'a, 's> {
         rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
     ) {
         if self.shader().detail() == Detail::Full {
-            self.interpolate(lattice);
+            self.interpolate(lattice, false);
         }
         if !self.buffers.casts_secondary_rays() {
             return self.shade(|buffers| buffers.shade_closest(rect, rows));
@@ -203,22 +203,19 @@ impl<'a, 's> TileRenderer<'a, 's> {
         self.stats.rays += self.buffers.hits.len() as u64;
     }
 
-    /// Computes t, u and v of the hits, as far as the picture needs them.
-    pub(super) fn interpolate(&mut self, lattice: &Lattice) {
+    /// Computes t, u and v of the hits, as far as colours need them, or layers as well.
+    pub(super) fn interpolate(&mut self, lattice: &Lattice, for_layers: bool) {
         let begin = (self.clock)();
         let Settings {
-            cull,
-            precision,
-            layers,
-            ..
+            cull, precision, ..
         } = self.view.settings;
-        let full = layers || self.shader().detail() == Detail::Full;
+        let shader = self.shader();
+        let numbers = match for_layers {
+            true => Some(shader.layer_numbers()),
+            false => (shader.detail() == Detail::Full).then(|| shader.hit_numbers()),
+        };
         let hits = &mut self.buffers.hits;
-        if full {
-            let numbers = match layers {
-                true => HitNumbers::All,
-                false => self.buffers.shader.shader().hit_numbers(),
-            };
+        if let Some(numbers) = numbers {
             (self.view.accel).interpolate_numbers(lattice, cull, precision, numbers, hits);
         } else {
             hits.clear_tuv();
@@ -240,26 +237,118 @@ impl<'a, 's> TileRenderer<'a, 's> {
         (self.clock)().saturating_sub(begin)
     }
 
-    /// The layers of the lattice that was just cast; colours may be anything.
-    pub(super) fn layers(&mut self, lattice: &Lattice) -> Layers {
-        let begin = (self.clock)();
-        let Buffers {
-            hits,
-            shader,
-            layers,
+    /// [`TileRenderer::paint`], with the layers of the pixels.
+    pub(super) fn paint_with_layers<'p>(
+        &mut self,
+        sub_camera: SubCamera,
+        rows: impl Iterator<Item = LayeredRow<'p>>,
+    ) {
+        let (lattice, rect) = (sub_camera.lattice(), sub_camera.rect);
+        self.find(&lattice);
+        if self.hits_nothing() {
+            self.shade(|buffers| fill_with_misses(buffers.shader.shader(), rect, rows));
+        } else {
+            self.shade_hits_with_layers(&lattice, rows);
+        }
+    }
+
+    /// Shades the pixels of a lattice whose rays have just been cast, and writes their layers.
+    pub(super) fn shade_hits_with_layers<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rows: impl Iterator<Item = LayeredRow<'p>>,
+    ) {
+        self.interpolate(lattice, true);
+        self.light(lattice);
+        let simd = self.view.accel.simd();
+        let columns = lattice.columns.max(1) as usize;
+        let mut layers = Vec::with_capacity(lattice.rows as usize);
+        self.shade(|buffers| {
+            for (light, (pixels, row)) in buffers.light.chunks_exact(columns).zip(rows) {
+                for (color, light) in row.color.iter_mut().zip(light) {
+                    *color = shade::premultiply(*light);
+                }
+                shade::encode_all_premultiplied(simd, row.color, pixels);
+                layers.push(row);
+            }
+        });
+        self.channels(lattice, layers.into_iter());
+    }
+
+    /// The colours of the lattice that was just cast, with those of sections and of secondary rays: linear light, straight
+    /// alpha.
+    pub(super) fn light(&mut self, lattice: &Lattice) {
+        let sections = self.section_samples(lattice);
+        self.shade(|buffers| {
+            let mut light = std::mem::take(&mut buffers.light);
+            if buffers.casts_secondary_rays() {
+                buffers.light_with_secondary_rays(lattice, &mut light);
+            } else {
+                buffers.shader.light(lattice, &buffers.hits, &mut light);
+            }
+            if let Some((section, shown)) = &sections {
+                for (light, &shown) in light.iter_mut().zip(shown) {
+                    *light = section.color(shown).unwrap_or(*light);
+                }
+            }
+            buffers.light = light;
+        });
+    }
+
+    /// Writes the layers beside colours of the lattice that was just cast.
+    pub(super) fn channels<'p>(
+        &mut self,
+        lattice: &Lattice,
+        rows: impl Iterator<Item = LayerRow<'p>>,
+    ) {
+        self.shade(|buffers| {
+            let Buffers { hits, shader, .. } = buffers;
+            shader.channels(lattice, hits, rows.map(Channels::from));
+        });
+    }
+}
+
+/// A row of pixels, and their layers.
+pub(super) type LayeredRow<'p> = (&'p mut [[u8; 4]], LayerRow<'p>);
+
+/// The pixels of a rectangle whose rays hit nothing, and their layers.
+pub(super) fn fill_with_misses<'p>(
+    shader: &Shader<'_>,
+    rect: Rect,
+    rows: impl Iterator<Item = LayeredRow<'p>>,
+) {
+    for (y, (pixels, row)) in (rect.y..).zip(rows) {
+        if let Some(behind) = shader.nothing_in_row(rect.x, y, rect.width) {
+            let color = shade::premultiply(behind);
+            pixels.fill(shade::encode_premultiplied(color));
+            row.color.fill(color);
+        } else {
+            for ((x, pixel), color) in (rect.x..).zip(pixels).zip(&mut *row.color) {
+                let behind = shader.behind(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                *color = shade::premultiply(behind);
+                *pixel = shade::encode_premultiplied(*color);
+            }
+        }
+        Channels::from(row).fill_with_misses();
+    }
+}
+
+impl<'p> From<LayerRow<'p>> for Channels<'p> {
+    fn from(row: LayerRow<'p>) -> Self {
+        let LayerRow {
+            depth,
+            object,
+            triangle,
+            normal,
+            uv,
             ..
-        } = &mut *self.buffers;
-        let mut layers = layers.take().unwrap_or_else(|| Layers::blank(0));
-        layers.resize(hits.len());
-        let channels = Channels {
-            depth: &mut layers.depth,
-            object: &mut layers.object,
-            triangle: &mut layers.triangle,
-            normal: &mut layers.normal,
-            uv: &mut layers.uv,
-        };
-        shader.channels(lattice, hits, channels);
-        self.stats.shade += self.elapsed_since(begin);
-        layers
+        } = row;
+        Self {
+            depth,
+            object,
+            triangle,
+            normal,
+            uv,
+        }
     }
 }

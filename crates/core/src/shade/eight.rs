@@ -430,9 +430,15 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     false => hits.eight(begin + at.start),
                 };
                 let is_empty = *hits.primitives == [MISS; LANES];
-                if let (true, Some(pixels)) = (is_plain & is_empty, pixels.get_mut(at.clone())) {
-                    pixels.fill(backdrop);
-                    continue;
+                if is_plain & is_empty {
+                    if let Some(pixels) = pixels.get_mut(at.clone()) {
+                        pixels.fill(backdrop);
+                        continue;
+                    }
+                    if let Some(behind) = behind {
+                        light[at].fill(behind);
+                        continue;
+                    }
                 }
                 let mut lines = None;
                 if has_lines && !is_empty {

@@ -75,7 +75,9 @@ pub use mode::{
 pub use own_color::own_color;
 pub(crate) use section::{Cut, Section, Shown};
 pub use shader::Shader;
-pub(crate) use srgb::{encode, encode_all_premultiplied, encode_premultiplied, over_black};
+pub(crate) use srgb::{
+    encode, encode_all_premultiplied, encode_premultiplied, over_black, premultiply,
+};
 pub use texture::map::TextureMap;
 pub use texture::mapping::{texture_corners, texture_point};
 pub use texture::photograph::PhotographError;

@@ -303,6 +303,14 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// What a row of pixels shows where no ray hits anything, if that is one colour: linear light, straight alpha.
+    pub(crate) fn nothing_in_row(&self, left: u32, y: u32, columns: u32) -> Option<[f32; 4]> {
+        let (first, y) = (f64::from(left) + 0.5, f64::from(y) + 0.5);
+        let last = first + f64::from(columns.saturating_sub(1));
+        let behind = self.backdrop_between(first, last, y);
+        behind.filter(|_| !self.has_overlay())
+    }
+
     /// The background in a row of pixels, as sRGB bytes with straight alpha.
     pub(super) fn backdrop8(&self, row: u32) -> [u8; 4] {
         self.backdrops

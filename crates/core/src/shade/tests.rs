@@ -577,14 +577,19 @@ fn channels_are_those_of_single_samples(bench: &Bench, lattice: &Lattice, hits: 
     let (mut object, mut triangle) = (vec![77; count], vec![78; count]);
     let (mut normal, mut uv) = (vec![[2.0; 3]; count], vec![[3.0; 2]; count]);
     let shader = bench.shader(mode(Mode::Depth));
-    let channels = Channels {
-        depth: &mut depth,
-        object: &mut object,
-        triangle: &mut triangle,
-        normal: &mut normal,
-        uv: &mut uv,
-    };
-    shader.tile().channels(lattice, hits, channels);
+    let columns = lattice.columns as usize;
+    let numbers = depth.chunks_mut(columns).zip(object.chunks_mut(columns));
+    let numbers = numbers.zip(triangle.chunks_mut(columns));
+    let vectors = normal.chunks_mut(columns).zip(uv.chunks_mut(columns));
+    let rows = numbers.zip(vectors);
+    let rows = rows.map(|(((depth, object), triangle), (normal, uv))| Channels {
+        depth,
+        object,
+        triangle,
+        normal,
+        uv,
+    });
+    shader.tile().channels(lattice, hits, rows);
     let mut shown = 0;
     for (at, hit) in hits.iter().enumerate() {
         let found = (depth[at], object[at], triangle[at], normal[at], uv[at]);

@@ -73,6 +73,20 @@ impl Shader<'_> {
         }
     }
 
+    /// Which of t, u and v a picture with layers depends on.
+    pub(crate) fn layer_numbers(&self) -> HitNumbers {
+        let colors = match self.detail() {
+            Detail::Full => self.hit_numbers(),
+            Detail::Triangle => HitNumbers::T,
+        };
+        let mut meshes = self.scene.objects.iter().map(|object| &object.mesh);
+        let weighs = meshes.any(|mesh| mesh.has_normals() || mesh.has_uvs());
+        match colors {
+            HitNumbers::T if !weighs => HitNumbers::T,
+            _ => HitNumbers::All,
+        }
+    }
+
     /// Whether all pixels of a triangle have one colour.
     pub(in crate::shade) fn is_constant(&self) -> bool {
         self.has_constant_surfaces() && !self.needs.edges
