@@ -88,6 +88,9 @@ impl TileShader<'_> {
     ) -> Option<(Vectors<L>, Vectors<L>)> {
         let zero = Vectors::splat(lanes, Vec3::ZERO);
         if self.shader().planar().is_none() {
+            if !self.shader().needs().smooth {
+                return Some(self.flat_normals_and_colors(lanes, hits.primitives));
+            }
             let (facets, colors) = self.facets_and_colors(lanes, hits.primitives);
             let (u, v) = hits.load_weights(lanes);
             return Some((facets.normal_at(lanes, u, v), colors));
@@ -118,6 +121,24 @@ impl TileShader<'_> {
             inverse = away.select(none - inverse, inverse);
         }
         Some((normal.scaled(inverse), colors))
+    }
+
+    /// Normals and colours of the triangles that eight samples show, where no mesh has normals of its own.
+    #[inline(always)]
+    fn flat_normals_and_colors<L: Lanes>(
+        &mut self,
+        lanes: L,
+        primitives: &[u32; LANES],
+    ) -> (Vectors<L>, Vectors<L>) {
+        let mut normals = Vectors::splat(lanes, Vec3::ZERO);
+        let mut colors = normals;
+        for run in runs(primitives) {
+            let facet = self.facet(run.primitive, 0.0);
+            let from = lanes.mask_from(run.first);
+            normals = normals.replaced(from, Vectors::splat(lanes, facet.normal));
+            colors = colors.replaced(from, Vectors::splat(lanes, facet.color));
+        }
+        (normals, colors)
     }
 
     /// Normals and colours of the triangles that eight samples show, in pictures where no triangle's colours vary.
