@@ -8,6 +8,7 @@ use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
 use crate::hit::Detail;
 use crate::picture::{Layers, Strip};
 use crate::shade::{self, Section};
+use glam::Vec4;
 use std::time::Duration;
 
 /// A tile in its present state.
@@ -226,12 +227,27 @@ impl Job {
             let weight = sample.weight;
             let has_layers = index == 0 && renderer.view.settings.layers;
             renderer.find(&lattice);
+            let sums = &mut self.sums;
+            if !has_layers
+                && renderer.hits_nothing()
+                && let Some(nothing) = renderer.nothing_in_rows(&lattice)
+            {
+                renderer.shade(|_| {
+                    let rows = sums.chunks_exact_mut(lattice.columns.max(1) as usize);
+                    for (row, light) in rows.zip(nothing) {
+                        let sample = weighted(light, weight);
+                        for sum in row {
+                            *sum = (Vec4::from(*sum) + sample).into();
+                        }
+                    }
+                });
+                continue;
+            }
             renderer.interpolate(&lattice, has_layers);
             renderer.light(&lattice);
-            let sums = &mut self.sums;
             renderer.shade(|buffers| {
                 for (sum, light) in sums.iter_mut().zip(&buffers.light) {
-                    *sum = with_sample(sum, light, weight);
+                    *sum = (Vec4::from(*sum) + weighted(*light, weight)).into();
                 }
             });
             if has_layers {
@@ -290,9 +306,8 @@ impl Job {
     }
 }
 
-/// A weighted sum of samples in linear light with premultiplied alpha, and one more, whose alpha is not multiplied in.
+/// A weighted sample with premultiplied alpha, from one of straight alpha.
 #[inline(always)]
-fn with_sample(sum: &[f32; 4], &[r, g, b, a]: &[f32; 4], weight: f32) -> [f32; 4] {
-    let light = [r * a, g * a, b * a, a];
-    std::array::from_fn(|channel| sum[channel] + light[channel] * weight)
+fn weighted(light: [f32; 4], weight: f32) -> Vec4 {
+    Vec4::from(shade::premultiply(light)) * weight
 }

@@ -295,6 +295,17 @@ impl<'a, 's> TileRenderer<'a, 's> {
         });
     }
 
+    /// What each row of a lattice shows where no ray hits anything: linear light, straight alpha. `None` where a row may
+    /// have several colours.
+    pub(super) fn nothing_in_rows(&self, lattice: &Lattice) -> Option<Vec<[f32; 4]>> {
+        let last = lattice.columns.saturating_sub(1);
+        let in_row = |row| {
+            let ((left, y), (right, _)) = (lattice.place(0, row), lattice.place(last, row));
+            self.shader().nothing_between(left, right, y)
+        };
+        (0..lattice.rows).map(in_row).collect()
+    }
+
     /// Writes the layers beside colours of the lattice that was just cast.
     pub(super) fn channels<'p>(
         &mut self,
@@ -317,14 +328,16 @@ pub(super) fn fill_with_misses<'p>(
     rect: Rect,
     rows: impl Iterator<Item = LayeredRow<'p>>,
 ) {
+    let [left, right] = [rect.x, rect.right().saturating_sub(1)].map(|x| f64::from(x) + 0.5);
     for (y, (pixels, row)) in (rect.y..).zip(rows) {
-        if let Some(behind) = shader.nothing_in_row(rect.x, y, rect.width) {
+        let y = f64::from(y) + 0.5;
+        if let Some(behind) = shader.nothing_between(left, right, y) {
             let color = shade::premultiply(behind);
             pixels.fill(shade::encode_premultiplied(color));
             row.color.fill(color);
         } else {
             for ((x, pixel), color) in (rect.x..).zip(pixels).zip(&mut *row.color) {
-                let behind = shader.behind(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let behind = shader.behind(f64::from(x) + 0.5, y);
                 *color = shade::premultiply(behind);
                 *pixel = shade::encode_premultiplied(*color);
             }

@@ -303,11 +303,9 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What a row of pixels shows where no ray hits anything, if that is one colour: linear light, straight alpha.
-    pub(crate) fn nothing_in_row(&self, left: u32, y: u32, columns: u32) -> Option<[f32; 4]> {
-        let (first, y) = (f64::from(left) + 0.5, f64::from(y) + 0.5);
-        let last = first + f64::from(columns.saturating_sub(1));
-        let behind = self.backdrop_between(first, last, y);
+    /// What a row shows between two places where no ray hits anything, if that is one colour: linear light, straight alpha.
+    pub(crate) fn nothing_between(&self, left: f64, right: f64, y: f64) -> Option<[f32; 4]> {
+        let behind = self.backdrop_between(left, right, y);
         behind.filter(|_| !self.has_overlay())
     }
 

@@ -5,7 +5,7 @@ use super::vectors::{Rows, Vectors};
 use crate::math;
 use crate::num::simd::{F32x8, LANES, Lanes, Simd, Work, dispatch};
 use crate::scene::Color;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::sync::LazyLock;
 
 /// The tables, made on first use.
@@ -267,8 +267,11 @@ pub(crate) fn linear(color: Color) -> Vec3 {
 }
 
 /// Premultiplied from straight alpha.
-pub(crate) fn premultiply([r, g, b, a]: [f32; 4]) -> [f32; 4] {
-    [r * a, g * a, b * a, a]
+#[inline(always)]
+pub(crate) fn premultiply(color: [f32; 4]) -> [f32; 4] {
+    let color = Vec4::from(color);
+    // A vector for each colour: four colours at once, as compilers like it, take shuffling them.
+    (color * Vec4::splat(color.w).with_w(1.0)).into()
 }
 
 /// sRGB bytes with straight alpha, from linear light with premultiplied alpha.
