@@ -158,17 +158,17 @@ impl Picture {
         if !fits || !have_pixels(rect, pixels, layers) {
             return false;
         }
-        let (width, columns) = (self.width as usize, rect.width as usize);
-        let left = rect.x as usize;
-        let rows = rect.y as usize..rect.bottom() as usize;
-        for (row, pixels) in rows.clone().zip(pixels.chunks_exact(columns.max(1))) {
-            let begin = row * width + left;
+        let columns = rect.width as usize;
+        let rows = (rect.y..rect.bottom()).map(|y| y as usize * self.width as usize);
+        let rows = rows.map(|first| first + rect.x as usize).enumerate();
+        for (row, begin) in rows.clone() {
+            let pixels = &pixels[row * columns..][..columns];
             self.pixels[begin..begin + columns].copy_from_slice(pixels);
         }
         if let (Some(mine), Some(theirs)) = (&mut self.layers, layers) {
-            let mine = mine.rows(width).skip(rows.start).take(rows.len());
-            for (row, mut mine) in mine.enumerate() {
-                mine.copy(left, theirs, row * columns, columns);
+            let mut mine = mine.all();
+            for (row, begin) in rows {
+                mine.copy(begin, theirs, row * columns, columns);
             }
         }
         true

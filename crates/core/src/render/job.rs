@@ -1,7 +1,7 @@
 //! A tile, which the passes of progressive rendering refine.
 
 use super::buffers::Buffers;
-use super::tile_renderer::{TileRenderer, fill_with_misses};
+use super::tile_renderer::{TileRenderer, fill_with_background};
 use super::view::{Clock, Settings, View};
 use super::{Pass, Tile, TileStats};
 use crate::camera::{Lattice, Rect, SamplePattern, SubCamera};
@@ -73,7 +73,7 @@ impl Job {
         let fill = |strip: &mut Strip<'_>, (rect, mut stats): (Rect, TileStats)| {
             let begin = clock();
             match has_layers {
-                true => fill_with_misses(shader, rect, strip.layered_rows_of(rect)),
+                true => fill_with_background(shader, rect, strip.layered_rows_of(rect)),
                 false => shader.shade_nothing(rect, strip.rows_of(rect)),
             }
             stats.shade += clock().saturating_sub(begin);
@@ -83,7 +83,11 @@ impl Job {
             let mut renderer = TileRenderer::new(view, clock, buffers);
             let lattice = view.camera.sub_camera(tile).lattice();
             renderer.find(&lattice);
-            if renderer.hits_nothing() {
+            let is_empty = match has_layers {
+                true => renderer.shows_background(),
+                false => renderer.hits_nothing(),
+            };
+            if is_empty {
                 let rect = match &empty {
                     Some((left, stats)) => {
                         sink(stats);

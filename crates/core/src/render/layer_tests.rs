@@ -122,8 +122,7 @@ fn check(view: &View) {
         let shown = (layers.object[at], layers.triangle[at]);
         assert_eq!(shown, numbers, "{at}");
         assert_eq!((layers.normal[at], layers.uv[at]), surface, "{at}");
-        assert!((layers.depth[at] - hit.t).abs() <= 1e-6 * hit.t || hit.is_miss());
-        assert_eq!(layers.depth[at] == f32::INFINITY, hit.is_miss(), "{at}");
+        assert_eq!(layers.depth[at], hit.t, "{at}");
         match hit.is_miss() {
             true => misses += 1,
             false => hits += 1,

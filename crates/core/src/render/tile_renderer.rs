@@ -150,6 +150,11 @@ impl<'a, 's> TileRenderer<'a, 's> {
         self.stats.counts.hits == 0 && !self.section().is_some_and(Section::is_seen_by_misses)
     }
 
+    /// Whether the rays that were just cast show the background alone: nothing is hit, and no ground or lines show.
+    pub(super) fn shows_background(&self) -> bool {
+        self.hits_nothing() && !self.shader().has_overlay()
+    }
+
     /// [`TileRenderer::shade_hits`] without sections.
     fn shade_layers<'p>(
         &mut self,
@@ -245,8 +250,8 @@ impl<'a, 's> TileRenderer<'a, 's> {
     ) {
         let (lattice, rect) = (sub_camera.lattice(), sub_camera.rect);
         self.find(&lattice);
-        if self.hits_nothing() {
-            self.shade(|buffers| fill_with_misses(buffers.shader.shader(), rect, rows));
+        if self.shows_background() {
+            self.shade(|buffers| fill_with_background(buffers.shader.shader(), rect, rows));
         } else {
             self.shade_hits_with_layers(&lattice, rows);
         }
@@ -322,8 +327,8 @@ impl<'a, 's> TileRenderer<'a, 's> {
 /// A row of pixels, and their layers.
 pub(super) type LayeredRow<'p> = (&'p mut [[u8; 4]], LayerRow<'p>);
 
-/// The pixels of a rectangle whose rays hit nothing, and their layers.
-pub(super) fn fill_with_misses<'p>(
+/// Fills the pixels of a rectangle whose rays show the background alone, and their layers.
+pub(super) fn fill_with_background<'p>(
     shader: &Shader<'_>,
     rect: Rect,
     rows: impl Iterator<Item = LayeredRow<'p>>,

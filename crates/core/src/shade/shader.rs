@@ -171,7 +171,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Whether lines or the ground may show where nothing is hit.
-    pub(super) fn has_overlay(&self) -> bool {
+    pub(crate) fn has_overlay(&self) -> bool {
         self.lines.overlay.is_some() || self.ground.is_some()
     }
 
