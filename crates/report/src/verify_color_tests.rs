@@ -5,8 +5,8 @@ use crate::meshes;
 use crate::stage::Stage;
 use raycast_core::glam::{DVec3, Vec2};
 use raycast_core::scene::{
-    Alpha, Attribute, Color, ColorMap, ColorScale, Material, Mesh, MeshData, Object, Opacity,
-    Photograph, Reflectance, Scalar, ScalarAt, Scene, Texture, TextureProjection,
+    Alpha, Attribute, Color, ColorMap, ColorScale, Groups, Material, Mesh, MeshData, Object,
+    Opacity, Photograph, Reflectance, Scalar, ScalarAt, Scene, Texture, TextureProjection,
 };
 use raycast_core::shade::{Background, Filter, LightSet, Mode, Shading};
 use std::sync::Arc;
@@ -164,7 +164,7 @@ fn materials_are_checked() {
     }
 }
 
-/// Two objects with scalars and this colour rule.
+/// Two objects with scalars, groups and this colour rule.
 fn ruled(rule: &str) -> Stage {
     let scalars = |vertices: usize, triangles: usize| {
         let scalar = |name: &str, at, count: usize| Scalar {
@@ -179,12 +179,18 @@ fn ruled(rule: &str) -> Stage {
             scalar("face", ScalarAt::Triangles, triangles),
         ]
     };
+    let groups = |triangles: usize| {
+        let of =
+            (0..triangles).map(|at| [None, Some(0), Some(1)].get(at / 5 % 3).copied().flatten());
+        Groups::of_triangles(vec!["a".to_owned(), "b".to_owned()], of).expect("good groups")
+    };
     let object = |mesh: &Mesh, x: f64| {
         let positions = mesh.positions().iter();
         let mut object = Object::new(
             "object",
             Arc::new(Mesh::new(MeshData {
                 positions: positions.map(|p| p.as_dvec3() + mesh.offset()).collect(),
+                groups: groups(mesh.triangles().len()),
                 triangles: mesh.triangles().to_vec(),
                 scalars: scalars(mesh.positions().len(), mesh.triangles().len()),
                 ..MeshData::default()
@@ -206,6 +212,7 @@ fn ruled(rule: &str) -> Stage {
 fn every_color_rule_except_curvature_is_checked() {
     let rules = [
         "object",
+        "group",
         "normal",
         "area",
         "distance",

@@ -6,6 +6,7 @@ mod error;
 mod face_colors;
 mod files;
 mod gltf;
+mod group_statements;
 mod guard;
 mod held;
 mod jpeg;

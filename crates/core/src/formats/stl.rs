@@ -3,6 +3,7 @@
 use super::Progress;
 use super::error::{FormatError, quote};
 use super::face_colors;
+use super::group_statements::GroupStatements;
 use super::limits::Budget;
 use super::parsed::Parsed;
 use super::polygon::{self, Polygon};
@@ -210,6 +211,8 @@ struct AsciiMesh<'a> {
     polygons: Vec<Polygon>,
     /// The corners of the facet that is read.
     facet: Vec<u32>,
+    /// The solids.
+    groups: GroupStatements,
 }
 
 impl AsciiMesh<'_> {
@@ -243,7 +246,7 @@ impl AsciiMesh<'_> {
     fn held(&self) -> u64 {
         let vertices = self.vertices.len() * (size_of::<DVec3>() + 3 * size_of::<u32>());
         let triangles = self.triangles.len() * size_of::<[u32; 3]>();
-        (3 * (vertices + triangles) + 4 * self.facet.len()) as u64
+        (3 * (vertices + triangles) + 4 * self.facet.len() + self.groups.bytes()) as u64
     }
 }
 
@@ -262,6 +265,7 @@ fn ascii(
         triangles: Vec::new(),
         polygons: Vec::new(),
         facet: Vec::new(),
+        groups: GroupStatements::default(),
     };
     let (mut in_solid, mut in_facet) = (false, false);
     let mut solids = 0;
@@ -293,6 +297,7 @@ fn ascii(
         } else if is("facet") && in_solid {
             in_facet = true;
             mesh.facet.clear();
+            mesh.groups.add_triangle(mesh.triangles.len());
             // Skips the normal, which is computed from the corners.
             words.rest_of_line();
         } else if is("endsolid") && in_solid {
@@ -301,7 +306,8 @@ fn ascii(
         } else if is("solid") && !in_solid {
             in_solid = true;
             solids += 1;
-            words.rest_of_line();
+            let name = String::from_utf8_lossy(words.rest_of_line());
+            mesh.groups.begin(&name);
         } else if in_solid {
             return fault(&words, "`facet` or `endsolid`");
         } else {
@@ -322,7 +328,7 @@ fn parsed_ascii(mesh: AsciiMesh<'_>, solids: usize, is_cut_short: bool) -> Parse
     let mut parsed = Parsed::default();
     parsed.notes.push("ASCII".to_owned());
     if solids > 1 {
-        let note = format!("solids: {solids}, which are parts of one object");
+        let note = format!("solids: {solids}, which are groups of one object");
         parsed.notes.push(note);
     }
     let path = mesh.path;
@@ -333,6 +339,7 @@ fn parsed_ascii(mesh: AsciiMesh<'_>, solids: usize, is_cut_short: bool) -> Parse
         ));
     }
     parsed.mesh.positions = mesh.vertices.into_positions();
+    parsed.mesh.groups = mesh.groups.groups(mesh.triangles.len());
     parsed.mesh.triangles = mesh.triangles;
     let uncut = polygon::cut(&mut parsed.mesh, &mesh.polygons);
     parsed.warnings.extend(uncut.warnings(path));
@@ -409,9 +416,15 @@ mod tests {
             vertex 0 1 1e0\n vertex 0 0 1\n endloop\n endfacet\n";
         let parsed = parse(text.as_bytes()).expect("a good file");
         assert_eq!(parsed.mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+        let groups = &parsed.mesh.groups;
+        assert_eq!(groups.names(), ["a b", "c"]);
+        assert_eq!(
+            [0, 1, 2].map(|at| groups.of(at)),
+            [Some("a b"), Some("c"), Some("c")]
+        );
         assert_eq!(
             parsed.notes,
-            ["ASCII", "solids: 3, which are parts of one object"]
+            ["ASCII", "solids: 3, which are groups of one object"]
         );
         let message = "a.stl: its last solid has no `endsolid`: is it cut short?";
         assert_eq!(parsed.warnings, [message]);

@@ -71,8 +71,12 @@ fn view(scene: Scene, projection: Projection, ground: Option<Ground>, mode: Mode
 }
 
 fn render(view: &View) -> Picture {
+    render_in_tiles(view, 16)
+}
+
+fn render_in_tiles(view: &View, size: u32) -> Picture {
     view.render(
-        Grid::Size(16),
+        Grid::Size(size),
         &|| Duration::ZERO,
         &Cancel::default(),
         &|_| (),
@@ -154,6 +158,28 @@ fn what_is_seen_beside_surfaces_is_in_the_layers_as_well() {
     ));
     check(&view(scene(false, false), fisheye, None, Mode::Smooth));
     check(&view(scene(true, true), fisheye, None, Mode::Flat));
+}
+
+/// Tiles without hits add one colour a row to their sums of samples, where that is all they show; in one large tile
+/// every sample is shaded.
+#[test]
+fn samples_beside_surfaces_are_the_same_in_tiles_without_hits() {
+    for ground in [None, Some(Ground::Lowest)] {
+        for layers in [false, true] {
+            let mut view = view(
+                scene(false, false),
+                Projection::Perspective,
+                ground,
+                Mode::Smooth,
+            );
+            view.settings.samples = 5;
+            view.settings.layers = layers;
+            let (small, whole) = (render_in_tiles(&view, 8), render_in_tiles(&view, 256));
+            assert_eq!(small.pixels, whole.pixels, "{ground:?}");
+            let colors = |picture: &Picture| picture.layers.as_ref().map(|of| of.color.clone());
+            assert_eq!(colors(&small), colors(&whole), "{ground:?}");
+        }
+    }
 }
 
 /// A picture drawn over another has nothing of it left.

@@ -54,6 +54,9 @@ pub enum ColorRule {
     File,
     /// A colour an object, from its number.
     ByObject,
+    /// A colour a [group](super::Groups) of the mesh's triangles, from its number in the file; the shading's plain
+    /// colour for triangles in none.
+    ByGroup,
     /// The direction of the surface normal in the world (x red, y green, z blue): by the mesh's own normals, else of
     /// the triangle's front side.
     Normal,
@@ -69,6 +72,7 @@ impl std::fmt::Display for ColorRule {
             Self::PerTriangle { seed } => write!(f, "per-triangle:{seed}"),
             Self::File => f.write_str("file"),
             Self::ByObject => f.write_str("object"),
+            Self::ByGroup => f.write_str("group"),
             Self::Normal => f.write_str("normal"),
             Self::Value(quantity) => quantity.fmt(f),
         }
@@ -87,6 +91,7 @@ impl FromStr for ColorRule {
         match (kind, of) {
             ("file", None) => Ok(Self::File),
             ("object", None) => Ok(Self::ByObject),
+            ("group", None) => Ok(Self::ByGroup),
             ("normal", None) => Ok(Self::Normal),
             ("per-triangle", None) => Ok(Self::PerTriangle { seed: 0 }),
             ("per-triangle", Some(seed)) => match seed.parse() {
@@ -96,8 +101,8 @@ impl FromStr for ColorRule {
             ("area" | "distance" | "curvature" | "scalar", _) => text.parse().map(Self::Value),
             _ => text.parse().map(Self::Uniform).map_err(|_| {
                 format!(
-                    "expected file, per-triangle, per-triangle:SEED, object, normal, area, distance, \
-                     distance:X,Y,Z, curvature, curvature:gaussian, scalar:NAME, #rrggbb or #rgb, found {text:?}"
+                    "expected file, per-triangle, per-triangle:SEED, object, group, normal, area, \
+                     distance, distance:X,Y,Z, curvature, curvature:gaussian, scalar:NAME, #rrggbb or #rgb, found {text:?}"
                 )
             }),
         }
@@ -124,10 +129,18 @@ impl ColorRule {
     pub fn of_object(number: u32) -> Color {
         triangle_color(OBJECTS, number)
     }
+
+    /// The colour that [`ColorRule::ByGroup`] gives the group of this number.
+    pub fn of_group(number: u32) -> Color {
+        triangle_color(GROUPS, number)
+    }
 }
 
 /// The seed of objects' colours, so that they differ from those of triangles with seed 0.
 const OBJECTS: u32 = 1;
+
+/// The seed of groups' colours.
+const GROUPS: u32 = 2;
 
 /// A pseudorandom colour of any hue that is neither dark nor grey.
 fn triangle_color(seed: u32, triangle: u32) -> Color {
@@ -180,6 +193,7 @@ mod tests {
             "per-triangle",
             "per-triangle:7",
             "object",
+            "group",
             "normal",
             "area",
             "distance",

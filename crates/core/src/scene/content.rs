@@ -71,6 +71,13 @@ fn add_object(hash: &mut Digester, object: &Object) {
             hash.number((*seed).into());
         }
         ColorRule::ByObject => hash.number(3),
+        ColorRule::ByGroup => {
+            hash.number(6);
+            // Only groups that colours show count.
+            let runs = mesh.groups().runs();
+            hash.number(runs.len() as u64);
+            hash.words(runs.iter().flat_map(|run| [run.first, run.group]));
+        }
         ColorRule::Normal => hash.number(4),
         ColorRule::Value(quantity) => {
             hash.number(5);
@@ -302,7 +309,7 @@ fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Bounds, Diagonals, MeshData};
+    use crate::scene::{Bounds, Diagonals, Groups, MeshData};
     use glam::{Vec2, Vec3};
     use std::path::PathBuf;
     use std::sync::Arc;
@@ -417,7 +424,7 @@ mod tests {
             change(&mut data);
             digests.push(scene(data, |_| ()).content());
         }
-        let changes: [fn(&mut Object); 29] = [
+        let changes: [fn(&mut Object); 31] = [
             |object| object.transform.translate.y = 1e-300,
             |object| object.transform.rotate.y = 1.0,
             |object| object.transform.scale.y = 2.0,
@@ -427,6 +434,15 @@ mod tests {
             |object| object.color = ColorRule::PerTriangle { seed: 0 },
             |object| object.color = ColorRule::PerTriangle { seed: 1 },
             |object| object.color = ColorRule::ByObject,
+            |object| object.color = ColorRule::ByGroup,
+            |object| {
+                object.color = ColorRule::ByGroup;
+                object.mesh = Arc::new(Mesh::new(MeshData {
+                    groups: Groups::of_triangles(vec!["g".to_owned()], [None, Some(0)])
+                        .expect("a group"),
+                    ..data()
+                }));
+            },
             |object| object.color = ColorRule::Normal,
             |object| object.color = ColorRule::Value(Quantity::Area),
             |object| object.color = ColorRule::Value(Quantity::Distance(None)),

@@ -4,7 +4,7 @@ use super::measures::Measures;
 use super::mesh_data::recentring_offset;
 use super::rounding::{Measure, Moves, Rounding};
 use super::{
-    Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Material, MeshData, Opacity,
+    Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Groups, Material, MeshData, Opacity,
     TreeTopology,
 };
 use glam::{DVec3, Vec2, Vec3};
@@ -51,6 +51,7 @@ pub struct Mesh {
     pub(super) material_of_triangle: Vec<u32>,
     pub(super) colors: Vec<Option<Color>>,
     pub(super) diagonals: Diagonals,
+    pub(super) groups: Groups,
     pub(super) rounding: Rounding,
     pub(super) bounds: OnceLock<Bounds>,
     pub(super) adjacency: OnceLock<Adjacency>,
@@ -122,6 +123,7 @@ impl Mesh {
             material_of_triangle,
             colors: data.colors,
             diagonals: data.diagonals,
+            groups: data.groups,
             rounding,
             bounds: OnceLock::new(),
             adjacency: OnceLock::new(),
@@ -263,6 +265,11 @@ impl Mesh {
     /// The edges along which the file's polygons were triangulated.
     pub fn diagonals(&self) -> &Diagonals {
         &self.diagonals
+    }
+
+    /// The file's groups of triangles.
+    pub fn groups(&self) -> &Groups {
+        &self.groups
     }
 
     /// What lies across the mesh's edges; `make` computes it on first use.

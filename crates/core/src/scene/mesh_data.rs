@@ -1,4 +1,4 @@
-use super::{Attribute, Bounds, Color, Diagonals, Material, Scalar};
+use super::{Attribute, Bounds, Color, Diagonals, Groups, Material, Scalar};
 use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 
@@ -27,6 +27,8 @@ pub struct MeshData {
     pub scalars: Vec<Scalar>,
     /// The edges along which polygons were triangulated; empty where the file has triangles only.
     pub diagonals: Diagonals,
+    /// The file's groups of triangles; none where the file has none.
+    pub groups: Groups,
 }
 
 impl MeshData {
@@ -61,6 +63,7 @@ impl MeshData {
             + self.material_of_triangle.len() * size_of::<u32>()
             + self.colors.len() * size_of::<Option<Color>>()
             + self.diagonals.bytes()
+            + self.groups.bytes()
             + self
                 .scalars
                 .iter()

@@ -11,6 +11,7 @@ mod crease;
 mod curvature;
 mod diagonals;
 mod extent;
+mod groups;
 mod mapping;
 mod masks;
 mod material;
@@ -43,6 +44,8 @@ pub use clipping::{CLIPPING_PLANES, ClippingError, ClippingPlane, ClippingPlanes
 pub use color::{Color, ColorRule};
 pub use color_map::{COLOR_MAP_STEPS, ColorMap, ColorScale};
 pub use diagonals::Diagonals;
+pub use groups::Groups;
+pub(crate) use groups::Run;
 pub use mapping::{Projector, ProjectorError, TextureMapping, TextureProjection};
 pub use masks::Masks;
 pub use material::Material;

@@ -3,8 +3,8 @@
 use super::measures::Measures;
 use super::mesh::has_no_area;
 use super::{
-    Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Dropped, Material, Mesh, Rounding,
-    Scalar, ScalarAt,
+    Attribute, Bounds, COORDINATE_LIMIT, Color, Diagonals, Dropped, Groups, Material, Mesh,
+    Rounding, Scalar, ScalarAt,
 };
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -30,6 +30,7 @@ pub(crate) struct StoredMesh {
     pub(crate) colors: Vec<Option<Color>>,
     pub(crate) scalars: Vec<Scalar>,
     pub(crate) diagonals: Diagonals,
+    pub(crate) groups: Groups,
     pub(crate) rounding: Rounding,
 }
 
@@ -63,6 +64,7 @@ impl StoredMesh {
             material_of_triangle: self.material_of_triangle,
             colors: self.colors,
             diagonals: self.diagonals,
+            groups: self.groups,
             rounding: self.rounding,
             bounds: OnceLock::from(bounds),
             adjacency: OnceLock::new(),

@@ -127,7 +127,10 @@ impl OwnColors {
         };
         let within = |object: &Object| match &object.color {
             ColorRule::File => !object.mesh.vertex_colors().is_empty(),
-            ColorRule::Uniform(_) | ColorRule::PerTriangle { .. } | ColorRule::ByObject => false,
+            ColorRule::Uniform(_)
+            | ColorRule::PerTriangle { .. }
+            | ColorRule::ByObject
+            | ColorRule::ByGroup => false,
             ColorRule::Normal => object.mesh.has_normals(),
             ColorRule::Value(Quantity::Distance(_)) => true,
             ColorRule::Value(quantity) => {
@@ -168,6 +171,10 @@ impl OwnColors {
                 srgb::linear(rule.color(triangle).unwrap_or(Color::DEFAULT))
             }
             ColorRule::ByObject => srgb::linear(ColorRule::of_object(number)),
+            ColorRule::ByGroup => {
+                let group = object.mesh.groups().number_of(triangle);
+                srgb::linear(group.map_or(self.plain, ColorRule::of_group))
+            }
             ColorRule::Normal => {
                 let [a, b, c] = place().corners;
                 displayed(unit((b - a).cross(c - a)).as_vec3())
@@ -218,9 +225,10 @@ impl OwnColors {
                 Some(colors) => Varied::Colors(colors.map(srgb::linear)),
                 None => Varied::No,
             },
-            ColorRule::Uniform(_) | ColorRule::PerTriangle { .. } | ColorRule::ByObject => {
-                Varied::No
-            }
+            ColorRule::Uniform(_)
+            | ColorRule::PerTriangle { .. }
+            | ColorRule::ByObject
+            | ColorRule::ByGroup => Varied::No,
             ColorRule::Normal => {
                 let normals = object.mesh.corner_normals(triangle);
                 match normals.zip(place().world_normals) {

@@ -8,13 +8,14 @@ use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, Hit, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
-    Color, ColorMap, ColorRule, ColorScale, Curvature, Material, Mesh, MeshData, Object, Quantity,
-    Scalar, ScalarAt, Scene, Shape, Transform,
+    Color, ColorMap, ColorRule, ColorScale, Curvature, Groups, Material, Mesh, MeshData, Object,
+    Quantity, Scalar, ScalarAt, Scene, Shape, Transform,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Two triangles from −1 to 1 at z = 0, with a scalar x + 10 at vertices, and one of 5 and 7 on triangles.
+/// Two triangles from −1 to 1 at z = 0, with a scalar x + 10 at vertices, and one of 5 and 7 on triangles; the
+/// second triangle is in a group.
 fn square(rule: &str) -> Object {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let scalar = |name: &str, at, values: &[f32]| Scalar {
@@ -25,6 +26,7 @@ fn square(rule: &str) -> Object {
     let mesh = Mesh::new(MeshData {
         positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        groups: Groups::of_triangles(vec!["upper".to_owned()], [None, Some(0)]).expect("a group"),
         scalars: vec![
             scalar("x", ScalarAt::Vertices, &[9.0, 11.0, 11.0, 9.0]),
             scalar("part", ScalarAt::Triangles, &[5.0, 7.0]),
@@ -152,6 +154,18 @@ fn areas_are_the_meshs_own_and_objects_have_colors_of_their_own() {
 }
 
 #[test]
+fn groups_have_colors_of_their_own_and_other_triangles_the_plain_one() {
+    let mut picture = Picture::of(
+        vec![square("group")],
+        Projection::Perspective,
+        scale(0.0, 1.0),
+    );
+    picture.shading.plain_color = Color([9, 80, 200]);
+    assert_eq!(picture.at(15.0, 12.0), srgb::linear(ColorRule::of_group(0)));
+    assert_eq!(picture.at(25.0, 18.0), srgb::linear(Color([9, 80, 200])));
+}
+
+#[test]
 fn distances_are_from_the_eye_along_orthographic_rays_or_from_a_point() {
     let of = |rule: &str, projection| {
         Picture::of(vec![square(rule)], projection, scale(0.0, 10.0)).at(25.0, 18.0)
@@ -212,6 +226,7 @@ fn tiles_show_what_single_samples_do() {
         "distance:1,2,3",
         "normal",
         "curvature",
+        "group",
     ] {
         for mode in [Mode::Color, Mode::Flat, Mode::Smooth, Mode::Texture] {
             let objects = vec![square(rule)];
@@ -298,6 +313,7 @@ fn one_color_rules_stay_as_they_were() {
 fn a_hits_own_color_is_what_a_picture_without_light_shows() {
     let rules = [
         "file",
+        "group",
         "#12c0a0",
         "per-triangle:5",
         "object",

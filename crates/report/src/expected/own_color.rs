@@ -182,6 +182,10 @@ pub(super) fn own_color(
             .color(hit.triangle)
             .map_or([Single::UNKNOWN; 3], srgb::linear),
         ColorRule::ByObject => srgb::linear(ColorRule::of_object(hit.number)),
+        ColorRule::ByGroup => {
+            let group = object.mesh.groups().number_of(hit.triangle);
+            srgb::linear(group.map_or(numbers.plain, ColorRule::of_group))
+        }
         ColorRule::Normal => {
             let [a, b, c] = hit.corners;
             let shown = |direction: Vector<24>| {

@@ -82,9 +82,10 @@ pub struct ShadingArgs {
     /// The texture filter [default: bilinear]
     #[arg(long, value_name = "KIND", value_parser = values::named(shading_values::FILTERS))]
     pub filter: Option<Filter>,
-    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `normal`, `#rrggbb` or `#rgb`; or a
-    /// number through a colour map: `area`, `distance[:X,Y,Z]` (from the eye or a point), `curvature[:gaussian]` or
-    /// `scalar:NAME` (the file's; `raycast info` lists them) [default: the scene file's, file]
+    /// Every object's colours: `file`, `per-triangle[:SEED]`, `object` (one each), `group` (one for each group of an OBJ
+    /// or STL file), `normal`, `#rrggbb` or `#rgb`; or a number through a colour map: `area`, `distance[:X,Y,Z]` (from
+    /// the eye or a point), `curvature[:gaussian]` or `scalar:NAME` (the file's; `raycast info` lists them) [default: the
+    /// scene file's, file]
     #[arg(long, value_name = "COLOR", value_parser = shading_values::scene_color)]
     pub color: Option<SceneColor>,
     /// The colour of triangles to which neither their file nor `--color` gives one (`#c8ccd2` by default)

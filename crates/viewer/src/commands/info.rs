@@ -8,7 +8,7 @@ use crate::progress::TerminalProgress;
 use crate::stats::{json, milliseconds};
 use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
-use raycast_core::scene::{Bounds, Dropped, Object, Scalar, ScalarAt, Texture};
+use raycast_core::scene::{Bounds, Dropped, Mesh, Object, Scalar, ScalarAt, Texture};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -51,6 +51,9 @@ struct ObjectInfo {
     /// Width and height of each material's own texture; empty where none has one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     material_textures: Vec<Option<[u32; 2]>>,
+    /// The groups of its triangles.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    groups: Vec<GroupInfo>,
     /// Width and height of its texture.
     texture: Option<[u32; 2]>,
     /// The offset of the recentred mesh.
@@ -63,6 +66,13 @@ struct ObjectInfo {
     /// Only if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     health: Option<HealthInfo>,
+}
+
+/// A group of triangles.
+#[derive(Debug, Serialize)]
+struct GroupInfo {
+    name: String,
+    triangles: usize,
 }
 
 /// A scalar of vertices or triangles.
@@ -176,6 +186,7 @@ impl From<&Object> for ObjectInfo {
             uvs: mesh.has_uvs(),
             materials: mesh.materials().iter().map(|m| m.name.clone()).collect(),
             material_textures,
+            groups: groups(mesh),
             texture: object.texture.as_ref().map(size),
             offset: mesh.offset().to_array(),
             rounding: RoundingInfo {
@@ -188,6 +199,13 @@ impl From<&Object> for ObjectInfo {
             health: None,
         }
     }
+}
+
+fn groups(mesh: &Mesh) -> Vec<GroupInfo> {
+    let sizes = mesh.groups().sizes(mesh.triangles().len());
+    let names = mesh.groups().names().iter().cloned();
+    let of = |(name, triangles)| GroupInfo { name, triangles };
+    names.zip(sizes).map(of).collect()
 }
 
 /// Describes files.
@@ -322,6 +340,11 @@ fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bo
         };
         let names: Vec<String> = object.materials.iter().map(name).collect();
         line("materials", first_few(&names));
+    }
+    if !object.groups.is_empty() {
+        let names = object.groups.iter();
+        let names = names.map(|group| format!("{} ({})", group.name, group.triangles));
+        line("groups", first_few(&names.collect::<Vec<_>>()));
     }
     if let Some([width, height]) = object.texture {
         line("texture", format!("{width}x{height}"));

@@ -130,6 +130,13 @@ fn offered(objects: &[Object]) -> Vec<(ColorRule, &'static str)> {
             "The product of both bends: negative at saddles",
         ),
     ];
+    if objects
+        .iter()
+        .any(|object| !object.mesh.groups().is_empty())
+    {
+        let hint = "A color a group of the file, from its number";
+        rules.insert(4, (ColorRule::ByGroup, hint));
+    }
     let scalars = objects.iter().flat_map(|object| object.mesh.scalars());
     let names: BTreeSet<&str> = scalars.map(|scalar| scalar.name.as_str()).collect();
     let of_file = |name: &str| (value(Quantity::Scalar(name.into())), "A number of the file");
@@ -143,6 +150,7 @@ fn name_of(rule: &ColorRule) -> String {
         ColorRule::Uniform(_) => "One",
         ColorRule::PerTriangle { .. } => "Triangle",
         ColorRule::ByObject => "Object",
+        ColorRule::ByGroup => "Group",
         ColorRule::Normal => "Normal",
         ColorRule::Value(Quantity::Area) => "Area",
         ColorRule::Value(Quantity::Distance(None)) => "Distance",

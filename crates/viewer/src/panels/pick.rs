@@ -119,10 +119,12 @@ fn all(state: &State, pinned: &Pinned) -> String {
 fn csv(state: &State) -> String {
     let mut text =
         "number,object,triangle,x,y,z,normal x,normal y,normal z,distance,weight u,weight v,\
-                    texture u,texture v,texel column,texel row,texel color,color\n"
+                    texture u,texture v,texel column,texel row,texel color,color,group\n"
             .to_owned();
     for (number, pinned) in (1..).zip(state.picks.list()) {
-        let name = format!("\"{}\"", pinned.object.replace('"', "\"\""));
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let name = quoted(&pinned.object);
+        let group = pinned.group.as_deref().map(quoted).unwrap_or_default();
         let (hit, point, normal) = (&pinned.pick.hit, pinned.pick.point, pinned.normal);
         let distance = match pinned.has_moved {
             true => String::new(),
@@ -141,7 +143,7 @@ fn csv(state: &State) -> String {
         });
         let color = (state.color(pinned)).map_or(String::new(), |color| color.to_string());
         text.push_str(&format!(
-            "{number},{name},{},{},{},{},{},{},{},{distance},{},{},{uv},{texel},{color}\n",
+            "{number},{name},{},{},{},{},{},{},{},{distance},{},{},{uv},{texel},{color},{group}\n",
             hit.triangle, point.x, point.y, point.z, normal.x, normal.y, normal.z, hit.u, hit.v,
         ));
     }
@@ -213,6 +215,10 @@ fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
             format!("{} {}", hit.u, hit.v),
         ),
     ];
+    if let Some(group) = &pinned.group {
+        let hint = "The triangle's group in its file";
+        values.insert(1, value("Group", hint, group.clone(), group.clone()));
+    }
     if !pinned.has_moved {
         let distance = value(
             "Distance",
@@ -220,7 +226,7 @@ fn values(state: &State, pinned: &Pinned) -> Vec<Value> {
             format::length(hit.t),
             hit.t.to_string(),
         );
-        values.insert(4, distance);
+        values.insert(values.len() - 1, distance);
     }
     if let Some(uv) = pinned.uv {
         values.push(value(

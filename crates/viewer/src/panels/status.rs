@@ -67,11 +67,14 @@ fn under_cursor(state: &State) -> String {
     };
     let hit = pick.hit;
     let object = document.scene.objects.get(hit.object as usize);
-    let object = object.map_or("?", |object| object.name.as_str());
+    let name = object.map_or("?", |object| object.name.as_str());
+    let group = object.and_then(|object| object.mesh.groups().of(hit.triangle));
+    let group = group.filter(|group| *group != name);
+    let group = group.map_or_else(String::new, |group| format!(" ({group})"));
     let [x, y, z] = format::point(pick.point.to_array(), state.extent());
     // The most asked for first: a narrow window cuts off the end.
     format!(
-        "{object}   at {x}, {y}, {z}   t {}   triangle {}   u {:.3}   v {:.3}   pixel {}, {}",
+        "{name}{group}   at {x}, {y}, {z}   t {}   triangle {}   u {:.3}   v {:.3}   pixel {}, {}",
         format::length(hit.t),
         format::count(hit.triangle.into()),
         hit.u,

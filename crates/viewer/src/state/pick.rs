@@ -23,6 +23,8 @@ pub struct Pinned {
     pub pick: Pick,
     /// The object's name.
     pub object: String,
+    /// The name of the triangle's group, where its file has groups.
+    pub group: Option<String>,
     /// The triangle's corners in world space.
     pub corners: [DVec3; 3],
     /// The unit normal of the triangle's plane, to the side from which its corners turn left.
@@ -70,6 +72,7 @@ impl Pinned {
         Some(Self {
             pick,
             object: object.name.clone(),
+            group: object.mesh.groups().of(triangle).map(str::to_owned),
             corners,
             normal: (b - a).cross(c - a).normalize_or_zero(),
             uv,

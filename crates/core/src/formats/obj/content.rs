@@ -1,5 +1,6 @@
 //! The contents of an OBJ file's lines.
 
+use crate::formats::group_statements::GroupStatements;
 use crate::formats::polygon::Polygon;
 use crate::scene::Color;
 use glam::{DVec3, Vec2, Vec3};
@@ -33,6 +34,8 @@ pub(super) struct ObjText {
     pub(super) materials: Vec<String>,
     /// Runs of triangles: the first triangle, and the index of its material's name; [`NONE`] for no material.
     pub(super) material_runs: Vec<(u32, u32)>,
+    /// The names after `g` and `o`. The last of either counts, whichever it is.
+    pub(super) groups: GroupStatements,
     /// The line of the last face, where the file ends with it, without a line end.
     pub(super) open_end: Option<usize>,
     /// Oddities, counted.

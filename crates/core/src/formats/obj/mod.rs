@@ -64,6 +64,7 @@ pub(super) fn read(
     } else {
         triangle_materials(&text)
     };
+    let groups = std::mem::take(&mut text.groups).groups(text.triangles.len());
     let mut mesh = MeshData {
         uvs: attribute(
             std::mem::take(&mut text.uvs),
@@ -84,6 +85,7 @@ pub(super) fn read(
         materials: Vec::new(),
         scalars: Vec::new(),
         diagonals: Diagonals::default(),
+        groups,
     };
     progress(0.95);
     let uncut = polygon::cut(&mut mesh, &text.polygons);

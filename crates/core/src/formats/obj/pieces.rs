@@ -181,6 +181,7 @@ fn append(
     out.positions.append(&mut piece.positions);
     out.uvs.append(&mut piece.uvs);
     out.normals.append(&mut piece.normals);
+    let triangles = piece.triangles.len();
     out.triangles.append(&mut piece.triangles);
     for (all, list) in [
         (&mut out.uv_triangles, &mut piece.uv_triangles),
@@ -219,6 +220,7 @@ fn append(
             out.material_runs.push((start + first as u32, number));
         }
     }
+    out.groups.append(piece.groups, first, triangles);
     out.open_end = piece.open_end;
     out.oddities.add(piece.oddities);
     number(last_material)
@@ -252,7 +254,7 @@ mod tests {
         let mut totals = [3, 2, 2];
         text.extend_from_slice(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nvn 1 0 0\n");
         for _ in 0..40 {
-            let line = match below(random, 12) {
+            let line = match below(random, 13) {
                 0..3 => {
                     totals[0] += 1;
                     let more = ["", " 1", " 0 0.5 1", " 0 0 2", " 1 1 1 1"][below(random, 5)];
@@ -287,6 +289,10 @@ mod tests {
                     face
                 }
                 10 => format!("usemtl m{}", below(random, 4)),
+                11 => {
+                    let name = ["", " a", " b c", " d"][below(random, 4)];
+                    ["g", "o"][below(random, 2)].to_owned() + name
+                }
                 _ => ["# a \\", "mtllib a.mtl", "o x", "", "s 1", "g \u{feff}"][below(random, 6)]
                     .to_owned(),
             };

@@ -157,6 +157,7 @@ impl<'a> Reader<'a> {
             }
             "f" => self.face(values(), &line)?,
             "mtllib" => self.out.libraries.push(rest.trim().to_owned()),
+            "g" | "o" => self.out.groups.begin(rest.trim()),
             "usemtl" => self.material = self.material_number(rest.trim()),
             _ => {}
         }
@@ -402,6 +403,7 @@ impl<'a> Reader<'a> {
     fn add_face(&mut self, has: [bool; 2]) {
         let out = &mut self.out;
         let first = out.triangles.len();
+        out.groups.add_triangle(first);
         let triangles = self.corners.len() - 2;
         let fan = |kind: usize| {
             let apex = self.corners[0][kind];
@@ -445,7 +447,8 @@ impl<'a> Reader<'a> {
             + out.uvs.len() * size_of::<Vec2>()
             + out.normals.len() * size_of::<Vec3>()
             + triangles * size_of::<[u32; 3]>()
-            + out.polygons.len() * size_of::<Polygon>();
+            + out.polygons.len() * size_of::<Polygon>()
+            + out.groups.bytes();
         let bytes = (self.copied + 3 * bytes) as u64;
         let more = bytes.saturating_sub(self.counted);
         self.counted += more;

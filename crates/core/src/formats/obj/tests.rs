@@ -66,6 +66,21 @@ fn triangles_are_in_the_order_of_faces() {
     assert!(obj.warnings.is_empty(), "{:?}", obj.warnings);
 }
 
+/// The statement above a face counts, an `o` as a `g`; a name may come again, and none ends a group.
+#[test]
+fn faces_are_in_the_groups_of_the_statements_above_them() {
+    let obj = parse(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\no car\ng left wheel \nf 1 2 4 3\ng\nf 2 3 4\n\
+         o body\ng empty\ng left wheel\nf 1 3 4\ng body\ng other\ng body\nf 1 2 4\ng last\n",
+    );
+    let groups = &obj.mesh.groups;
+    assert_eq!(groups.names(), ["left wheel", "body"]);
+    let of: Vec<_> = (0..6).map(|at| groups.of(at).unwrap_or("-")).collect();
+    let wheel = "left wheel";
+    assert_eq!(of, ["-", wheel, wheel, "-", wheel, "body"]);
+    assert_eq!(groups.sizes(6), [3, 1]);
+}
+
 #[test]
 fn attributes_have_indices_of_their_own() {
     let obj = parse(

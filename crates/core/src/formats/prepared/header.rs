@@ -12,7 +12,7 @@ const MAGIC: &[u8; 12] = b"\x89RAYCAST\r\n\x1a\n";
 
 /// The version of the format; files of another version are rejected. Raise it with every change of the layout, of
 /// the meaning of a field, or of an assumption of the reader.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The version of the program, as stored in the header.
 const PROGRAM: &str = env!("CARGO_PKG_VERSION");

@@ -1,6 +1,6 @@
 //! A mesh: offset (3 f64), positions, triangles, dropped triangles (their ids; counts by reason), normals, texture
-//! coordinates, materials, the material of each triangle, vertex colours, scalars, diagonals, rounding; then its
-//! BVH (triangle ids in leaf order; for each inner node, depth first, the number of triangles and of inner nodes
+//! coordinates, materials, the material of each triangle, vertex colours, scalars, diagonals, groups (names; the first
+//! triangle of each run and its name's index), rounding; then its BVH (triangle ids in leaf order; for each inner node, depth first, the number of triangles and of inner nodes
 //! below its first child).
 
 use super::decoder::Decoder;
@@ -9,8 +9,8 @@ use super::material::{self, Textures};
 use super::texture::{color_from_word, word};
 use crate::formats::error::FormatError;
 use crate::scene::{
-    Attribute, Color, Diagonals, Dropped, Mesh, Rounding, Scalar, ScalarAt, StoredMesh, Texture,
-    TreeTopology,
+    Attribute, Color, Diagonals, Dropped, Groups, Mesh, Rounding, Run, Scalar, ScalarAt,
+    StoredMesh, Texture, TreeTopology,
 };
 use bytemuck::Pod;
 use glam::{DVec3, Vec2, Vec3};
@@ -62,6 +62,12 @@ pub(super) fn write(
     to.list(mesh.diagonals().words(), |word| {
         [word as u32, (word >> 32) as u32]
     })?;
+    let groups = mesh.groups();
+    to.count(groups.names().len())?;
+    for name in groups.names() {
+        to.text(name)?;
+    }
+    to.list(groups.runs(), |run| [run.first, run.group])?;
     let Rounding {
         distance,
         share_of_edge,
@@ -143,6 +149,14 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
     let Some(diagonals) = Diagonals::from_words(diagonals, count) else {
         return Err(from.unexpected(&format!("diagonals of {count} triangles"), "others"));
     };
+    let names = from.each("groups", 4, |from| from.text("a group's name"))?;
+    let runs = from.list("runs of groups", |[first, group]: [u32; 2]| Run {
+        first,
+        group,
+    })?;
+    let Some(groups) = Groups::new(names, runs, count) else {
+        return Err(from.unexpected(&format!("groups of {count} triangles"), "others"));
+    };
     let rounding = Rounding {
         distance: from.double("a distance")?,
         share_of_edge: from.double("a share of an edge")?,
@@ -165,6 +179,7 @@ pub(super) fn read(textures: &[Arc<Texture>], from: &mut Decoder<'_>) -> Result<
         colors,
         scalars,
         diagonals,
+        groups,
         rounding,
     };
     let mesh = stored

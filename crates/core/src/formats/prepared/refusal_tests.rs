@@ -31,13 +31,13 @@ fn every_changed_byte_and_every_cut_is_an_error() {
 #[test]
 fn other_versions_and_damage_are_named() {
     let bytes = prepared_scene(Scene::from(ball(4)));
-    let message = refusal(&changed(&bytes, 12, &[2, 0, 0, 0]));
+    let message = refusal(&changed(&bytes, 12, &[3, 0, 0, 0]));
     assert!(
-        message.contains("expected a prepared mesh of version 1"),
+        message.contains("expected a prepared mesh of version 2"),
         "{message}"
     );
     assert!(
-        message.contains("found version 2, written by program \"0."),
+        message.contains("found version 3, written by program \"0."),
         "{message}"
     );
     assert!(message.contains("`raycast prepare`"), "{message}");
@@ -75,8 +75,8 @@ fn crafted_files_with_right_checksums_are_refused() {
     let triangles = positions + 4 + 14 * 12;
     assert_eq!(word(triangles), 12);
     let dropped = triangles + 4 + 12 * 12;
-    // Skips the ids of dropped triangles, five counts, no normals, no coordinates, five empty lists, rounding.
-    let order = dropped + 4 + 20 + 8 + 20 + 20;
+    // Skips the ids of dropped triangles, five counts, no normals, no coordinates, seven empty lists, rounding.
+    let order = dropped + 4 + 20 + 8 + 28 + 20;
     assert_eq!(word(order), 12);
     let nodes = order + 4 + 12 * 4;
     let count = word(nodes);

@@ -8,8 +8,8 @@ use crate::hit::Cull;
 use crate::random::Random;
 use crate::ray::Ray;
 use crate::scene::{
-    Alpha, Attribute, Color, Material, Mesh, MeshData, Object, Opacity, Reflectance, Scalar,
-    ScalarAt, Scene, Shape, Texture, Wrap,
+    Alpha, Attribute, Color, Groups, Material, Mesh, MeshData, Object, Opacity, Reflectance, Run,
+    Scalar, ScalarAt, Scene, Shape, Texture, Wrap,
 };
 use crate::{Accel, glam::DVec3};
 use glam::{Vec2, Vec3};
@@ -128,6 +128,12 @@ pub(super) fn rich() -> Mesh {
             diagonals.set(2, [true, false, true]);
             diagonals
         },
+        groups: {
+            let names = vec!["wheel é".to_owned(), "body".to_owned()];
+            let run = |first, group| Run { first, group };
+            let runs = vec![run(3, 1), run(9, Run::NONE), run(20, 0)];
+            Groups::new(names, runs, count).expect("good groups")
+        },
         positions,
         triangles,
     })
@@ -215,6 +221,7 @@ fn a_prepared_mesh_keeps_all_its_fields() {
         format!("{:?}", before.scalars())
     );
     assert_eq!(mesh.diagonals(), before.diagonals());
+    assert_eq!(mesh.groups(), before.groups());
     assert_eq!(mesh.rounding(), before.rounding());
     assert_eq!(mesh.bounds(), before.bounds());
     let tree = mesh.tree().expect("a tree");

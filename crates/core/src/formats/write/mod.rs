@@ -88,6 +88,10 @@ pub fn write_meshes(
     if textured > 0 && !has_images {
         written.lost.push(format!("images of objects ({textured})"));
     }
+    let has_groups = parts().any(|part| part.mesh.groups().names().len() > 1);
+    if has_groups && !matches!(format, MeshFormat::Obj) {
+        written.lost.push("groups of triangles".to_owned());
+    }
     let has_scalars = parts().any(|part| !part.mesh.scalars().is_empty());
     if has_scalars && !matches!(format, MeshFormat::Ply { .. }) {
         written

@@ -1,10 +1,11 @@
 use super::mtl::{MaterialLibrary, unit_channel};
-use super::parts::{Parts, Shortest, one_line};
+use super::parts::{Part, Parts, Shortest, one_line};
 use super::written::{WriteError, Written};
 use crate::scene::Color;
 use std::io::Write;
+use std::ops::Range;
 
-/// Writes OBJ: an `o` for each object, colours after the vertices' coordinates, and materials by name.
+/// Writes OBJ: an `o` for each object, a `g` where its triangles' groups change, colours after the vertices' coordinates, and materials by name.
 pub(super) fn write(
     parts: &Parts<'_>,
     library: Option<(&str, &MaterialLibrary)>,
@@ -52,7 +53,11 @@ pub(super) fn write(
             normals.map_or(0, |normals| normals.values.len()),
         ];
         let materials = part.mesh.material_of_triangle();
+        let mut groups = group_lines(part).peekable();
         for (index, &triangle) in part.triangles.iter().enumerate() {
+            if let Some((_, line)) = groups.next_if(|(first, _)| *first == index) {
+                writeln!(out, "{line}")?;
+            }
             if let Some((_, library)) = library {
                 let material = materials.get(index).copied();
                 let name = library.name(number, material);
@@ -94,4 +99,18 @@ pub(super) fn write(
     }
     parts.count_moves(written, |_, position| position);
     Ok(())
+}
+
+/// The `g` lines of an object, each with the number of the triangle after it.
+fn group_lines<'p>(part: &'p Part<'_>) -> impl Iterator<Item = (usize, String)> + 'p {
+    let groups = part.mesh.groups();
+    let ranges = groups.named_ranges(part.triangles.len());
+    // Triangles above all groups are not in one of the object's name, which an `o` begins, too.
+    let is_above = !groups.is_empty() && groups.of(0).is_none();
+    let above = is_above.then_some((0..0, None));
+    let ranges = above.into_iter().chain(ranges);
+    ranges.map(|(range, name): (Range<usize>, _)| {
+        let line = format!("g {}", name.map_or_else(String::new, one_line));
+        (range.start, line.trim_end().to_owned())
+    })
 }

@@ -5,7 +5,8 @@ use crate::formats::limits::Budget;
 use crate::formats::mesh_file;
 use crate::render::Cancel;
 use crate::scene::{
-    Attribute, Color, Material, Mesh, MeshData, Object, Scalar, ScalarAt, Shape, Transform, UpAxis,
+    Attribute, Color, Groups, Material, Mesh, MeshData, Object, Run, Scalar, ScalarAt, Shape,
+    Transform, UpAxis,
 };
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
@@ -215,6 +216,33 @@ fn written_meshes_read_back_the_same_in_every_format() {
                     corners(mesh, number),
                     "{name} to {other}"
                 );
+            }
+        }
+    }
+}
+
+#[test]
+fn groups_are_written_as_obj_and_counted_as_lost_elsewhere() {
+    let run = |first, group| Run { first, group };
+    let names = vec!["left wheel".to_owned(), "body".to_owned()];
+    for runs in [
+        vec![run(0, 0), run(2, 1), run(3, 0)],
+        vec![run(1, 1), run(2, Run::NONE), run(3, 0)],
+    ] {
+        let scene = scene([MeshData {
+            groups: Groups::new(names.clone(), runs, 4).expect("good groups"),
+            ..rich()
+        }]);
+        for (name, format) in READ {
+            let (bytes, written) = bytes(&scene, format);
+            let (again, mesh) = (read(&scene, name, &bytes), &scene.objects[0].mesh);
+            let is_lost = written.lost.contains(&"groups of triangles".to_owned());
+            assert_eq!(is_lost, format != MeshFormat::Obj, "{name}");
+            if !is_lost {
+                for triangle in 0..4 {
+                    let of = |mesh: &Mesh| mesh.groups().of(triangle).map(str::to_owned);
+                    assert_eq!(of(&again), of(mesh), "{triangle}");
+                }
             }
         }
     }
