@@ -1,9 +1,9 @@
 //! OBJ files read by another implementation too: the same triangles, in the same order, with the same
-//! corners.
+//! corners, in groups of the same names.
 
 use raycast_core::formats::read_mesh;
 use raycast_core::glam::{DVec3, Vec2, Vec3};
-use raycast_tests::models;
+use raycast_tests::{files, models};
 use std::io::BufReader;
 use std::path::Path;
 
@@ -19,7 +19,7 @@ fn check(path: &Path) {
     let (models, _) = tobj::load_obj_buf(&mut BufReader::new(file), &options, no_library)
         .expect("a file that tobj reads");
     let mut number = 0;
-    for mesh in models.into_iter().map(|model| model.mesh) {
+    for tobj::Model { mesh, name } in models {
         let positions: Vec<_> = mesh
             .positions
             .chunks_exact(3)
@@ -33,6 +33,8 @@ fn check(path: &Path) {
             .collect();
         for (face, corners) in mesh.indices.chunks_exact(3).enumerate() {
             let place = format!("{}, triangle {number}", path.display());
+            let group = ours.groups().of(number).unwrap_or("unnamed_object");
+            assert_eq!(group, name, "{place}");
             let found = ours.corners(number).expect("as many triangles");
             for (corner, &index) in found.iter().zip(corners) {
                 // As stored: single precision about one offset.
@@ -79,4 +81,21 @@ fn real_meshes_are_read_as_tobj_reads_them() {
             check(&path);
         }
     }
+}
+
+/// So long that it is read in pieces, whose borders lie anywhere between the statements.
+#[test]
+fn groups_of_a_long_file_are_those_of_tobj() {
+    let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n");
+    for part in 0..40_000 {
+        let name = ["g part ", "o thing ", "g "][part % 3];
+        text.push_str(&format!("{name}{}\n", part / 3 % 1000));
+        // Some groups have no face.
+        for _ in 0..part * 7 % 5 {
+            text.push_str("f 1 2 3\nf 1 3 4\n");
+        }
+    }
+    assert!(text.len() > 1 << 20, "{}", text.len());
+    let folder = files::folder();
+    check(&files::write(folder.path(), "long.obj", text));
 }
