@@ -130,9 +130,7 @@ fn object_row(
                     object_tree::drag(ui, &response, number, objects, out);
                     if response.double_clicked() {
                         out.push(Command::EditName(Some(number)));
-                    } else if response.clicked() {
-                        out.push(Command::Select((!is_marked).then_some(number)));
-                    } else if response.secondary_clicked() {
+                    } else if response.clicked() || response.secondary_clicked() {
                         out.push(Command::Select(Some(number)));
                     }
                     response.context_menu(|ui| {

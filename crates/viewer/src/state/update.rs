@@ -548,8 +548,10 @@ fn dismiss(state: &mut State) -> Option<Effect> {
         state.manipulating.tool = None;
     } else if state.inspection.shown.is_some() {
         state.inspection.shown = None;
-    } else {
+    } else if state.picks.current().is_some() {
         state.picks = Default::default();
+    } else {
+        state.selected = None;
     }
     None
 }

@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raycast_core::Accel;
 use raycast_core::glam::DVec3;
-use raycast_core::scene::{Mesh, MeshData, Object, Scene};
+use raycast_core::scene::{Groups, Mesh, MeshData, Object, Scene};
 use raycast_viewer::panels::overlay::TileOverlay;
 use raycast_viewer::panels::{Commands, Status, window};
 use raycast_viewer::state::State;
@@ -117,6 +117,7 @@ pub(crate) fn open_two() -> Harness<'static, Bench> {
     let mesh = Arc::new(Mesh::new(MeshData {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
         triangles: vec![[0, 1, 2]],
+        groups: Groups::of_triangles(vec!["flat".to_owned()], [Some(0)]).expect("a group"),
         ..MeshData::default()
     }));
     let object = |name: &str, x: f64| {

@@ -43,6 +43,21 @@ fn an_object_is_hidden_by_its_eye_and_undo_brings_it_back() {
 }
 
 #[test]
+fn a_row_stays_marked_when_it_is_clicked_again_and_escape_unmarks() {
+    let mut harness = open_two();
+    for name in ["left one", "left one", "right one", "right one"] {
+        click(&mut harness, name);
+        let number = usize::from(name == "right one");
+        assert_eq!(harness.state().state.selected, Some(number), "{name}");
+        // Further apart than the clicks of a double-click.
+        harness.run_steps(60);
+    }
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(harness.state().state.selected, None);
+}
+
+#[test]
 fn a_rectangle_drawn_on_its_image_is_the_part_that_is_shown() {
     let mut harness = open_two();
     let path = std::env::temp_dir().join("skin.png");

@@ -81,7 +81,7 @@ fn a_click_pins_a_triangle_and_its_values_are_copied() {
         panic!("{:?}", harness.state().effects);
     };
     assert!(
-        text.starts_with("Object: left one\nTriangle: 0\nPoint: 0."),
+        text.starts_with("Object: left one\nGroup: flat\nTriangle: 0\nPoint: 0."),
         "{text}"
     );
     // A second beside it: the list shows both, and each is looked at again by a click.
@@ -110,7 +110,8 @@ fn a_click_pins_a_triangle_and_its_values_are_copied() {
     let columns = |line: &str| line.split(',').count();
     assert_eq!(lines.len(), 3, "{text}");
     assert!(lines[1].starts_with("1,\"left one\",0,0."), "{text}");
-    assert!(lines.iter().all(|line| columns(line) == 18), "{text}");
+    assert!(lines[1].ends_with(",\"flat\""), "{text}");
+    assert!(lines.iter().all(|line| columns(line) == 19), "{text}");
     click(&mut harness, "Let go of pick 2");
     assert_eq!(harness.state().state.picks.list().len(), 1);
     harness.key_press(Key::Escape);
