@@ -2,7 +2,7 @@
 
 use super::{Cancel, Settings, View};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Grid, ImagePlane, Panorama, Pose, Projection};
+use crate::camera::{Camera, Grid, ImagePlane, Panorama, PixelFilter, Pose, Projection};
 use crate::picture::Picture;
 use crate::random::Random;
 use crate::scene::{Attribute, Mesh, MeshData, Object, Scene};
@@ -173,6 +173,8 @@ fn samples_beside_surfaces_are_the_same_in_tiles_without_hits() {
                 Mode::Smooth,
             );
             view.settings.samples = 5;
+            // One that weights samples.
+            view.settings.pixel_filter = PixelFilter::Gaussian;
             view.settings.layers = layers;
             let (small, whole) = (render_in_tiles(&view, 8), render_in_tiles(&view, 256));
             assert_eq!(small.pixels, whole.pixels, "{ground:?}");
