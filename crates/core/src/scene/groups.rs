@@ -59,7 +59,7 @@ impl Groups {
         Self::new(names, runs, triangles)
     }
 
-    /// The names, each once, in the order of the file.
+    /// The names, each once, in the order of their first triangles in a file.
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -81,7 +81,7 @@ impl Groups {
         (run.group != Run::NONE).then_some(run.group)
     }
 
-    /// How many of a mesh's `triangles` each group has, in the order of [`Groups::names`].
+    /// How many of a mesh's `triangles`, dropped ones too, each group has, in the order of [`Groups::names`].
     pub fn sizes(&self, triangles: usize) -> Vec<usize> {
         let mut sizes = vec![0; self.names.len()];
         for (range, group) in self.ranges(triangles) {
@@ -92,7 +92,8 @@ impl Groups {
         sizes
     }
 
-    /// The runs of a mesh of so many triangles that have a name, and those that have none between them.
+    /// Neighbouring triangles of a mesh of so many, with their group's name, from the first group on; `None` for those
+    /// in no group.
     pub(crate) fn named_ranges(
         &self,
         triangles: usize,
