@@ -1,5 +1,6 @@
 //! Groups of triangles, from the statements between them.
 
+use crate::quote;
 use crate::scene::{Groups, Run};
 use std::collections::BTreeMap;
 
@@ -15,9 +16,10 @@ pub(super) struct GroupStatements {
 }
 
 impl GroupStatements {
-    /// The triangles that follow are in this group; in none where its name is empty.
+    /// The triangles that follow are in this group; in none where its name is empty. Names are displayed: a name longer
+    /// than messages quote is cut, and control characters are escaped.
     pub(super) fn begin(&mut self, name: &str) {
-        self.next = Some(name.to_owned());
+        self.next = Some(quote::shorten(name));
     }
 
     /// There is a triangle, the first after others.
@@ -54,7 +56,7 @@ impl GroupStatements {
         }
         for run in &piece.runs {
             let name = piece.names.get(run.group as usize);
-            self.begin(name.map_or("", String::as_str));
+            self.next = Some(name.cloned().unwrap_or_default());
             self.add_triangle(first + run.first as usize);
         }
         if piece.next.is_some() {

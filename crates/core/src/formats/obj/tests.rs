@@ -79,6 +79,16 @@ fn faces_are_in_the_groups_of_the_statements_above_them() {
     let wheel = "left wheel";
     assert_eq!(of, ["-", wheel, wheel, "-", wheel, "body"]);
     assert_eq!(groups.sizes(6), [3, 1]);
+    // A terminal and a window show names.
+    let long = "x".repeat(1 << 20);
+    let obj = parse(&format!(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\ng \u{1b}[31m{long}\nf 1 2 3\n"
+    ));
+    let name = obj.mesh.groups.of(0).expect("a group");
+    assert!(
+        name.len() < 300 && name.starts_with("\\u{1b}[31mxxx"),
+        "{name}"
+    );
 }
 
 #[test]

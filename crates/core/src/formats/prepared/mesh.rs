@@ -1,7 +1,7 @@
 //! A mesh: offset (3 f64), positions, triangles, dropped triangles (their ids; counts by reason), normals, texture
 //! coordinates, materials, the material of each triangle, vertex colours, scalars, diagonals, groups (names; the first
-//! triangle of each run and its name's index), rounding; then its BVH (triangle ids in leaf order; for each inner node, depth first, the number of triangles and of inner nodes
-//! below its first child).
+//! triangle of each run and its name's index), rounding; then its BVH (triangle ids in leaf order; for each inner
+//! node, depth first, the number of triangles and of inner nodes below its first child).
 
 use super::decoder::Decoder;
 use super::encoder::Encoder;
