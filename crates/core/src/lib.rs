@@ -70,7 +70,7 @@ pub mod math;
 mod num;
 pub mod packet;
 pub mod picture;
-mod quote;
+pub mod quote;
 #[cfg(test)]
 mod random;
 pub mod ranges;

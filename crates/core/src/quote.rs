@@ -32,6 +32,11 @@ pub(crate) fn shorten(text: &str) -> String {
     }
 }
 
+/// A name from a file, as people are shown it: on one line, of at most 200 characters, its control characters escaped.
+pub fn name(text: &str) -> String {
+    shorten(text).replace('\n', "\\n")
+}
+
 /// The text with its control characters escaped, so that a terminal shows them and does not obey them.
 fn escape_controls(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
@@ -72,6 +77,7 @@ mod tests {
         assert_eq!(quote(" "), "nothing");
         assert_eq!(shorten("short"), "short");
         assert_eq!(shorten("or\u{1b}phic\nx"), "or\\u{1b}phic\nx");
+        assert_eq!(name("or\u{1b}phic\nx"), "or\\u{1b}phic\\nx");
     }
 
     #[test]

@@ -13,12 +13,19 @@ fn least() -> f64 {
     f64::from(f32::from_bits(1))
 }
 
+fn camera(eye: DVec3, towards: DVec3, projection: Projection, plane: ImagePlane) -> Camera {
+    let target = eye + towards;
+    let up = towards.any_orthonormal_vector();
+    Camera::new(Pose { eye, target, up }, projection, plane)
+}
+
 /// Casts 48 × 40 rays; returns how many hit something, and how many were left to single rays.
 fn check(accel: &Accel, eye: DVec3, towards: DVec3, projection: Projection) -> (usize, u64) {
     let plane = ImagePlane::new(48, 40, 0.02).expect("a good plane");
-    let target = eye + towards;
-    let up = towards.any_orthonormal_vector();
-    let camera = Camera::new(Pose { eye, target, up }, projection, plane);
+    check_from(accel, &camera(eye, towards, projection, plane))
+}
+
+fn check_from(accel: &Accel, camera: &Camera) -> (usize, u64) {
     let lattice = camera.whole().lattice();
     let mut primitives = Vec::new();
     let counts = accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
@@ -134,5 +141,33 @@ fn layers_within_the_roundings_of_their_depths_are_distinguished() {
                 assert!(undecided < 200, "{apart} {projection:?}: {undecided}");
             }
         }
+    }
+}
+
+/// Layers that cover cells, and others that have a corner on one ray and hit no other: that ray stays undecided between them,
+/// also where a layer is nearer than all that the other rays of its cell hit. If it counts as decided, this fails.
+#[test]
+fn corners_of_layers_on_rays_are_seen_among_larger_layers() {
+    let mut random = Random(100);
+    // The last cells of rows and columns are not full.
+    let plane = ImagePlane::new(45, 37, 1.0 / 32.0).expect("a good plane");
+    let camera = camera(DVec3::Z, DVec3::NEG_Z, Projection::Orthographic, plane);
+    let lattice = camera.whole().lattice();
+    for apart in [1e-40, 1e-40, 1e-40, 1e-10, 1e-8, 1e-8] {
+        let layer = |random: &mut Random, [x, y]: [f64; 2], size: f64| {
+            let off = (random.unit() * 1000.0).round() * apart;
+            [(0.0, 0.0), (2.0, 1.0), (1.0, 2.0)]
+                .map(|(s, t)| DVec3::new(x + s * size, y + t * size, off))
+        };
+        let mut layers = vec![layer(&mut random, [-30.0, -30.0], 30.0)];
+        for _ in 0..1000 {
+            let [column, row] = [lattice.columns, lattice.rows]
+                .map(|rays| (random.unit() * f64::from(rays)) as u32);
+            let on = lattice.ray(column, row).origin;
+            layers.push(layer(&mut random, [on.x, on.y], 0.01));
+            layers.push(layer(&mut random, [on.x - 1.0, on.y - 1.0], 1.0));
+        }
+        let (hits, _) = check_from(&accel(layers), &camera);
+        assert_eq!(hits, lattice.len());
     }
 }

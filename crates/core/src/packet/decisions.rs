@@ -128,9 +128,13 @@ impl<'a> Decisions<'a> {
         let (accel, coplanar) = (self.accel, &mut self.coplanar);
         let corners = |primitive: u32| accel.corners(primitive);
         let [first, second] = pair;
+        let is_first = accel.id(first) < accel.id(second);
+        if coplanar.are_known(first, second) {
+            return PlaneOrder::in_one_plane(is_first);
+        }
         self.plane_orders.order(pair, corners, || {
             let are_coplanar = coplanar.are(first, second, corners);
-            are_coplanar.then(|| accel.id(first) < accel.id(second))
+            are_coplanar.then(|| is_first)
         })
     }
 }

@@ -29,6 +29,7 @@ use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
 use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::Vec3;
+use std::cmp::Ordering;
 
 /// The error of places in single precision, 4u of the furthest: a place, a cell's centre and half of its extent are each
 /// rounded by u of at most [`REACH`], and one u is for higher orders.
@@ -109,35 +110,42 @@ impl PlaneOrder {
         }
     }
 
+    /// The order of two triangles of one plane, the first of which has the lower primitive id or not.
+    pub(super) fn in_one_plane(is_first: bool) -> Self {
+        Self {
+            in_one_plane: true,
+            ..Self::constant(if is_first { 1.0 } else { -1.0 })
+        }
+    }
+
     /// The order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
     /// or with componentwise bounds. `order_if_coplanar` says whether the two lie in one plane, and whether the first is
     /// then hit first.
     fn new(
         plane: &TurnedPlane,
         [first, second]: [[Vec3; 3]; 2],
-        in_double: &BoundedEdges,
+        mut in_double: impl FnMut() -> BoundedEdges,
         componentwise: impl FnOnce() -> BoundedEdges,
         order_if_coplanar: impl FnOnce() -> Option<bool>,
     ) -> Self {
-        let in_plane = || {
-            order_if_coplanar().map(|is_first| Self {
-                in_one_plane: true,
-                ..Self::constant(if is_first { 1.0 } else { -1.0 })
-            })
-        };
+        let in_plane = || order_if_coplanar().map(Self::in_one_plane);
         let Some(plane) = plane else {
             return in_plane().unwrap_or(Self::UNKNOWN);
         };
         // Exactly zero for a corner that both have, of which the bound would leave nothing sure where the hits are next to it.
-        let of_corners = |distance: &dyn Fn(Vec3) -> (f64, f64)| {
-            second.map(|corner| match first.contains(&corner) {
-                true => (0.0, 0.0),
-                false => distance(corner),
-            })
+        let [a, b, c] = second.map(|corner| first.contains(&corner));
+        let unless_shared = |is_shared: bool, distance: (f64, f64)| match is_shared {
+            true => (0.0, 0.0),
+            false => distance,
         };
-        let distances = of_corners(&|corner| plane.distance(corner));
-        let order = Self::by_distances(distances, in_double);
-        if order.uncertainty() <= ACCURATE {
+        let [p, q, r] = second;
+        let distances = [
+            unless_shared(a, plane.distance(p)),
+            unless_shared(b, plane.distance(q)),
+            unless_shared(c, plane.distance(r)),
+        ];
+        let order = Self::by_distances(distances, &mut in_double);
+        if order.is_accurate() {
             return order;
         }
         let may_lie_in_plane =
@@ -145,12 +153,17 @@ impl PlaneOrder {
         if may_lie_in_plane && let Some(order) = in_plane() {
             return order;
         }
-        let distances = of_corners(&|corner| plane.distance_in_double_double(first, corner));
-        let closer = Self::by_distances(distances, in_double);
-        if closer.uncertainty() <= ACCURATE {
+        let closer = |corner| plane.distance_in_double_double(first, corner);
+        let distances = [
+            unless_shared(a, closer(p)),
+            unless_shared(b, closer(q)),
+            unless_shared(c, closer(r)),
+        ];
+        let closer = Self::by_distances(distances, &mut in_double);
+        if closer.is_accurate() {
             return closer;
         }
-        let closest = Self::by_distances(distances, &componentwise());
+        let closest = Self::by_distances(distances, componentwise);
         if closest.uncertainty() < closer.uncertainty() {
             closest
         } else {
@@ -158,13 +171,19 @@ impl PlaneOrder {
         }
     }
 
+    /// Whether [`PlaneOrder::uncertainty`] is at most [`ACCURATE`].
+    fn is_accurate(&self) -> bool {
+        self.error <= ACCURATE * self.function.reach()
+    }
+
     /// The error as a share of the greatest |F| in the packet.
     fn uncertainty(&self) -> f64 {
         self.error / self.function.reach()
     }
 
-    /// The order by the distances of the second triangle's corners from the plane, each with its error.
-    fn by_distances(distances: [(f64, f64); 3], edges: &BoundedEdges) -> Self {
+    /// The order by the distances of the second triangle's corners from the plane, each with its error; and by its edge
+    /// functions where those have no common sign.
+    fn by_distances(distances: [(f64, f64); 3], edges: impl FnOnce() -> BoundedEdges) -> Self {
         let are_all = |sign: f64| {
             let mut all = distances.iter();
             all.all(|(distance, error)| distance * sign > error + LEAST_SURE)
@@ -174,7 +193,7 @@ impl PlaneOrder {
                 return Self::constant(sign);
             }
         }
-        let Some(edges) = edges else {
+        let Some(edges) = edges() else {
             return Self::UNKNOWN;
         };
         let mut function = Self::UNKNOWN.function;
@@ -211,12 +230,20 @@ impl PlaneOrder {
         [first, second]
     }
 
-    /// Whether the first triangle is surely nearer for all rays of a box of places that hit both.
-    pub(super) fn is_first_within(&self, places: &PlacesWithin) -> bool {
+    /// Which of the two is surely nearer for all rays of a box of places that hit both: `Less` for the first.
+    pub(super) fn within(&self, places: &PlacesWithin) -> Option<Ordering> {
         let Linear { constant, x, y } = self.function;
         let PlacesWithin { centre, half } = *places;
         let value = constant + x * centre[0] + y * centre[1];
-        value - (x.abs() * half[0] + y.abs() * half[1]) > self.error
+        // NaN fails this comparison.
+        let is_sure = value.abs() - (x.abs() * half[0] + y.abs() * half[1]) > self.error;
+        is_sure.then(|| {
+            if value > 0.0 {
+                Ordering::Less
+            } else {
+                Ordering::Greater
+            }
+        })
     }
 }
 
@@ -336,15 +363,12 @@ impl PlaneOrders {
             let [of_first, of_second] = pair.map(&corners);
             let plane =
                 planes[first as usize % CACHED].get(first, *packet, || turned(space, of_first));
-            let edges = edges.get(second, *packet, || {
-                let edges = space.edges_in_double(of_second);
-                edges.map(|(edges, error)| edges.map(|edge| (edge, error)))
-            });
+            let in_double = || *edges.get(second, *packet, || space.edges_in_double(of_second));
             let componentwise = || space.edges_componentwise(of_second);
             PlaneOrder::new(
                 plane,
                 [of_first, of_second],
-                edges,
+                in_double,
                 componentwise,
                 order_if_coplanar,
             )

@@ -110,6 +110,19 @@ pub(crate) struct TriangleSetup {
 }
 
 impl TriangleSetup {
+    /// An upper bound of a triangle's depth key at the places of a lattice's rays within its bounds; infinite where nothing is
+    /// sure.
+    pub(super) fn nearest_key(&self, l: usize) -> f32 {
+        if self.ill_conditioned[l] {
+            return f32::INFINITY;
+        }
+        let [constant, x, y] = self.depth_key.map(|coefficient| coefficient[l]);
+        let RayBox { right, bottom, .. } = self.boxes[l];
+        let across = (x * (right - self.column[l]) as f32).max(0.0);
+        let along = (y * (bottom - self.row[l]) as f32).max(0.0);
+        constant + across + along + self.depth_key_error[l]
+    }
+
     /// Whether a triangle's depth key may reach a value between two somewhere in the packet.
     #[inline(always)]
     pub(super) fn may_touch(&self, l: usize, [least, most]: [f32; 2]) -> bool {
@@ -120,11 +133,10 @@ impl TriangleSetup {
 }
 
 impl PacketSpace {
-    /// A triangle's edge functions in double precision, positive inside, over the whole packet; and the bound on their
+    /// A triangle's edge functions in double precision, positive inside, over the whole packet, each with the bound on its
     /// error. `None` where it is not sure which side of the triangle the packet sees.
-    pub(super) fn edges_in_double(&self, corners: [Vec3; 3]) -> Option<([Linear; 3], f64)> {
-        let [a, b, c] = corners.map(|corner| self.map_point(corner));
-        let triangle = PacketTriangle::new(a, b, c);
+    pub(super) fn edges_in_double(&self, corners: [Vec3; 3]) -> Option<[(Linear, f64); 3]> {
+        let triangle = self.map_triangle(corners);
         let size = self.size_of(&triangle);
         let plane = self.plane(&triangle, &size);
         // NaN fails this comparison.
@@ -132,19 +144,21 @@ impl PacketSpace {
         if !is_clear {
             return None;
         }
-        let edges = self.edge_functions(&triangle, plane.facing.signum());
-        let [e, f, g] = edges.map(Linear::slope);
-        Some((
-            edges,
-            self.edge_error(&size) + self.ray_error * greater(greater(e, f), g),
-        ))
+        let [e, f, g] = self.edge_functions(&triangle, plane.facing.signum());
+        let steepest = greater(greater(e.slope(), f.slope()), g.slope());
+        let error = self.edge_error(&size) + self.ray_error * steepest;
+        Some([(e, error), (f, error), (g, error)])
+    }
+
+    /// A triangle in packet space.
+    fn map_triangle(&self, [a, b, c]: [Vec3; 3]) -> PacketTriangle {
+        PacketTriangle::new(self.map_point(a), self.map_point(b), self.map_point(c))
     }
 
     /// A triangle's depth key in double precision, over the whole packet. `None` where it is not sure which side of the
     /// triangle the packet sees.
     pub(super) fn depth_key_in_double(&self, corners: [Vec3; 3]) -> Option<Linear> {
-        let [a, b, c] = corners.map(|corner| self.map_point(corner));
-        let triangle = PacketTriangle::new(a, b, c);
+        let triangle = self.map_triangle(corners);
         let plane = self.plane(&triangle, &self.size_of(&triangle));
         // NaN fails this comparison.
         let is_clear = plane.facing.abs() > 4.0 * plane.facing_error;

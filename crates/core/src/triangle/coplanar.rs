@@ -59,6 +59,11 @@ impl Coplanar {
         are_coplanar
     }
 
+    /// Whether two triangles were found to lie in one plane before.
+    pub(crate) fn are_known(&self, a: u32, b: u32) -> bool {
+        !self.planes.is_empty() && self.plane_of(a) == self.plane_of(b)
+    }
+
     /// A triangle of the same plane.
     fn plane_of(&self, triangle: u32) -> u32 {
         let [known, plane] = self.planes[entry(triangle)];

@@ -8,6 +8,7 @@ use crate::progress::TerminalProgress;
 use crate::stats::{json, milliseconds};
 use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
+use raycast_core::quote;
 use raycast_core::scene::{Bounds, Dropped, Mesh, Object, Scalar, ScalarAt, Texture};
 use serde::Serialize;
 use std::fmt::Write;
@@ -101,6 +102,7 @@ impl From<&Scalar> for ScalarInfo {
 impl ScalarInfo {
     fn description(&self) -> String {
         let Self { name, at, range } = self;
+        let name = quote::name(name);
         match range {
             Some([low, high]) => format!("{name} of {at}, {low} to {high}"),
             None => format!("{name} of {at}, no numbers"),
@@ -335,15 +337,18 @@ fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bo
     if !object.materials.is_empty() {
         let mut textures = object.material_textures.iter();
         let name = |name: &String| match textures.next() {
-            Some(&Some([width, height])) => format!("{name} (texture {width}x{height})"),
-            _ => name.clone(),
+            Some(&Some([width, height])) => {
+                format!("{} (texture {width}x{height})", quote::name(name))
+            }
+            _ => quote::name(name),
         };
         let names: Vec<String> = object.materials.iter().map(name).collect();
         line("materials", first_few(&names));
     }
     if !object.groups.is_empty() {
         let names = object.groups.iter();
-        let names = names.map(|group| format!("{} ({})", group.name, group.triangles));
+        let names =
+            names.map(|group| format!("{} ({})", quote::name(&group.name), group.triangles));
         line("groups", first_few(&names.collect::<Vec<_>>()));
     }
     if let Some([width, height]) = object.texture {
@@ -451,6 +456,25 @@ mod tests {
             warnings: vec!["part.obj: no such material".to_owned()],
             notes: vec!["binary".to_owned()],
         }
+    }
+
+    #[test]
+    fn names_of_files_are_escaped_and_cut() {
+        let long = format!("a\u{1b}[2J\n{}", "x".repeat(1000));
+        let mut info = info();
+        let object = &mut info.objects[0];
+        object.materials = vec![long.clone()];
+        object.scalars = vec![ScalarInfo {
+            name: long,
+            at: "vertices",
+            range: None,
+        }];
+        let text = describe(&info);
+        let shown = text
+            .lines()
+            .filter(|line| line.contains("a\\u{1b}[2J\\nxxx"));
+        assert_eq!(shown.count(), 2, "{text}");
+        assert!(text.lines().all(|line| line.chars().count() < 300));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::widgets::{Number, color, is_chosen, list_height, list_shown, row, tic
 use crate::state::State;
 use crate::state::command::Command;
 use egui::Ui;
+use raycast_core::quote;
 use raycast_core::scene::{Color, ColorMap, ColorRule, ColorScale, Curvature, Object, Quantity};
 use raycast_core::shade::Mode;
 use std::collections::BTreeSet;
@@ -157,7 +158,9 @@ fn name_of(rule: &ColorRule) -> String {
         ColorRule::Value(Quantity::Distance(Some(_))) => "Distance from a point",
         ColorRule::Value(Quantity::Curvature(Curvature::Mean)) => "Mean curvature",
         ColorRule::Value(Quantity::Curvature(Curvature::Gaussian)) => "Gaussian curvature",
-        ColorRule::Value(Quantity::Scalar(name)) => return format!("“{name}” of the file"),
+        ColorRule::Value(Quantity::Scalar(name)) => {
+            return format!("“{}” of the file", quote::name(name));
+        }
     }
     .to_owned()
 }

@@ -4,6 +4,7 @@ use crate::cli::{
 use crate::failure::Failure;
 use crate::memory;
 use raycast_core::formats;
+use raycast_core::quote;
 use raycast_core::scene::{
     ColorRule, ColorScale, Object, Projector, Quantity, Scene, TextureProjection,
 };
@@ -71,7 +72,11 @@ fn check_scalar(scene: &Scene, (option, name): (&str, &str)) -> Result<(), Failu
     }
     let meshes = scene.objects.iter().map(|object| &object.mesh);
     let names: BTreeSet<_> = meshes
-        .flat_map(|mesh| mesh.scalars().iter().map(|scalar| scalar.name.as_str()))
+        .flat_map(|mesh| {
+            mesh.scalars()
+                .iter()
+                .map(|scalar| quote::name(&scalar.name))
+        })
         .collect();
     let names: Vec<_> = names.into_iter().collect();
     Err(Failure::usage(match names[..] {

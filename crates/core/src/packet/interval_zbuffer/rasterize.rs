@@ -5,7 +5,7 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
-use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit};
+use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, stored_primitive};
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
@@ -71,6 +71,20 @@ impl IntervalZBuffer {
         never_hit
     }
 
+    /// Empties the bounds of rough triangles that are occluded by as much as is known of their depths: the same triangle need
+    /// not be set up again.
+    #[inline(never)]
+    fn cull_rough(&self, set_up: &mut TriangleSetup) {
+        for l in 0..LANES {
+            if !set_up.is_rough[l] || set_up.boxes[l].right < 0 {
+                continue;
+            }
+            if self.occludes(&set_up.boxes[l], set_up.nearest_key(l)) {
+                set_up.boxes[l].right = -1;
+            }
+        }
+    }
+
     /// Sets up eight triangles and rasterises those with a primitive index, each within its bounds. Ill-conditioned
     /// triangles, and those on which orthographic rays may start, are skipped where exact arithmetic proves that no ray
     /// hits them.
@@ -86,6 +100,9 @@ impl IntervalZBuffer {
     ) {
         let mut set_up = space.set_up(corners, boxes);
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
+        if any_rough {
+            self.cull_rough(&mut set_up);
+        }
         let never_hit = if any_rough || self.start_keys[0] != f32::INFINITY {
             self.refine(space, &mut set_up, corners, primitives, decisions)
         } else {
@@ -213,13 +230,18 @@ impl IntervalZBuffer {
                     continue;
                 }
                 let covers = inside & (1 << cell) != 0 && cuts.is_empty();
+                let mut is_before = false;
                 if self.contested[place] > CONTESTED {
                     let within = PlacesWithin::of_cell(place);
                     if self.is_behind_sure_hits(functions.primitive, (place, &within), decisions) {
                         continue;
                     }
                     if covers && nearest[cell] < self.start_keys[0] {
-                        self.keep_cover(functions.primitive, (place, &within), decisions);
+                        let cell = (place, &within);
+                        is_before = self.is_before_sure_hits(functions.primitive, cell, decisions);
+                        if !is_before {
+                            self.keep_cover(functions.primitive, cell, decisions);
+                        }
                     }
                 }
                 let (x, y) = ((cell_column * ROW) as f32, (cell_row * ROW) as f32);
@@ -230,6 +252,11 @@ impl IntervalZBuffer {
                     ..*functions
                 };
                 let first = (row + cell_row * ROW) * SIDE + column + cell_column * ROW;
+                if is_before {
+                    self.hi_z[place] = self.win(lanes, &here, first);
+                    self.sure_hits.set(functions.primitive, place);
+                    continue;
+                }
                 if covers {
                     self.cover(lanes, &here, first, decisions);
                 } else if cuts.is_empty() {
@@ -324,6 +351,31 @@ impl IntervalZBuffer {
         }
     }
 
+    /// Merges a triangle into a cell, all of whose rays surely hit it first so far. Returns the cell's hi-z.
+    #[inline(always)]
+    pub(super) fn win(
+        &mut self,
+        lanes: impl Lanes,
+        functions: &EdgeFunctions,
+        first: usize,
+    ) -> f32 {
+        let n = functions.depth_key;
+        let mut near = lanes.splat(n[0]) + lanes.splat(n[1]) * lanes.load(&COLUMNS);
+        let (step, error) = (lanes.splat(n[2]), lanes.splat(functions.depth_key_error));
+        let mut least = lanes.splat(f32::INFINITY);
+        for row in 0..ROW {
+            let (low, high, primitives) = self.rays_of_row(first + row * SIDE);
+            // Entries without a ray stay infinitely near.
+            let new_low = lanes.load(low).max(near - error);
+            new_low.store(low);
+            lanes.load(high).max(near + error).store(high);
+            *primitives = [functions.primitive; ROW];
+            least = new_low.min(least);
+            near = near + step;
+        }
+        least.reduce_min()
+    }
+
     /// [`IntervalZBuffer::leave_undecided`] for rays of a lattice.
     #[inline(never)]
     pub(super) fn leave_undecided_on_lattice(
@@ -381,9 +433,13 @@ impl IntervalZBuffer {
         };
         let before = *primitives;
         let (mut sure_hits, mut was_undecided) = ([MISS; ROW], 0);
-        for (lane, &stored) in before.iter().enumerate() {
-            sure_hits[lane] = self.sure_hit(first + lane, stored).unwrap_or(MISS);
-            was_undecided |= u32::from(stored == UNDECIDED) << lane;
+        if before[0] != UNDECIDED && before == [before[0]; ROW] {
+            sure_hits = [stored_primitive(before[0]).unwrap_or(MISS); ROW];
+        } else {
+            for (lane, &stored) in before.iter().enumerate() {
+                sure_hits[lane] = self.sure_hit(first + lane, stored).unwrap_or(MISS);
+                was_undecided |= u32::from(stored == UNDECIDED) << lane;
+            }
         }
         let mut rest = undecided.rays;
         // Neighbouring rays mostly have the same triangle.

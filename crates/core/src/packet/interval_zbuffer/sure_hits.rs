@@ -1,10 +1,12 @@
 //! Triangles that the rays of a cell surely hit. Where layers lie closer together than single precision distinguishes, most
-//! triangles are behind these for all rays of the cell, by the planes of the two, and need not be merged.
+//! triangles are behind these for all rays of the cell, by the planes of the two, and need not be merged; and those that
+//! are in front of all of them are merged without an order ray by ray.
 
-use super::{CELLS, IntervalZBuffer, ROW, SIDE};
+use super::{CELLS, IntervalZBuffer, ROW, SIDE, UNDECIDED};
 use crate::hit::MISS;
 use crate::packet::decisions::Decisions;
 use crate::packet::plane_order::PlacesWithin;
+use std::cmp::Ordering::{Greater, Less};
 
 /// The most sure hits of a cell, which take one test each. Layers leave a few triangles in long runs. With a larger number
 /// comparing takes longer than merging the eight rows; with a smaller one, cells where layers cross are merged ray by ray.
@@ -31,6 +33,8 @@ struct SureHitsOfCell {
     list: [u32; MOST],
     /// Zero where a ray has no sure hit, or all of them are too many.
     count: usize,
+    /// Whether each ray's closest hit so far is in the list.
+    is_decided: bool,
 }
 
 impl SureHitsOfCell {
@@ -38,6 +42,7 @@ impl SureHitsOfCell {
         cover: MISS,
         list: [MISS; MOST],
         count: 0,
+        is_decided: false,
     };
 
     /// Whether there is a list, and something holds for all in it. The one for which it did not hold comes first from then
@@ -64,6 +69,20 @@ impl SureHits {
         self.outdated |= cells;
     }
 
+    /// Sets a cell's sure hits to one triangle, the closest hit of all its rays.
+    pub(super) fn set(&mut self, primitive: u32, cell: usize) {
+        let mut sure_hits = SureHitsOfCell {
+            cover: primitive,
+            count: 1,
+            is_decided: true,
+            ..SureHitsOfCell::NONE
+        };
+        sure_hits.list[0] = primitive;
+        *self.cell(cell) = sure_hits;
+        self.covered |= 1 << cell;
+        self.listed |= 1 << cell;
+    }
+
     fn cell(&mut self, cell: usize) -> &mut SureHitsOfCell {
         if self.cells.is_empty() {
             self.cells.resize(CELLS * CELLS, SureHitsOfCell::NONE);
@@ -88,7 +107,8 @@ impl IntervalZBuffer {
             half: [0.0; 2],
             ..*places
         };
-        if !has_cover || (decisions.order([primitive, *cover])).is_first_within(&centre) {
+        // This way round the order is known from `is_behind_sure_hits`.
+        if !has_cover || decisions.order([*cover, primitive]).within(&centre) == Some(Greater) {
             *cover = primitive;
         }
         self.sure_hits.covered |= 1 << cell;
@@ -105,12 +125,15 @@ impl IntervalZBuffer {
     ) -> bool {
         let cell = cell % (CELLS * CELLS);
         let has = |cells: u32| cells >> cell & 1 != 0;
-        let mut is_nearer = |other| decisions.order([other, primitive]).is_first_within(places);
+        let mut is_nearer =
+            |other| decisions.order([other, primitive]).within(places) == Some(Less);
         if has(self.sure_hits.covered) && is_nearer(self.sure_hits.cell(cell).cover) {
             return true;
         }
         if has(self.sure_hits.listed) {
-            if self.sure_hits.cell(cell).are_all(&mut is_nearer) {
+            let known = self.sure_hits.cell(cell);
+            let is_cover_alone = known.count == 1 && known.list[0] == known.cover;
+            if !is_cover_alone && known.are_all(&mut is_nearer) {
                 return true;
             }
             if !has(self.sure_hits.outdated | self.dirty) {
@@ -130,21 +153,44 @@ impl IntervalZBuffer {
         self.sure_hits.cell(cell).are_all(&mut is_nearer)
     }
 
+    /// Whether a triangle is surely nearer than the closest hits so far of all rays of a cell, by the planes of each two. For
+    /// triangles that [`Self::is_behind_sure_hits`] has just been asked about: it lists the hits.
+    #[inline(never)]
+    pub(super) fn is_before_sure_hits(
+        &mut self,
+        primitive: u32,
+        (cell, places): (usize, &PlacesWithin),
+        decisions: &mut Decisions<'_>,
+    ) -> bool {
+        let known = self.sure_hits.cell(cell % (CELLS * CELLS));
+        let is_before = |other| decisions.order([other, primitive]).within(places) == Some(Greater);
+        known.is_decided && known.are_all(is_before)
+    }
+
     fn list_sure_hits(&self, cell: usize) -> SureHitsOfCell {
-        let mut found = SureHitsOfCell::NONE;
+        let mut found = SureHitsOfCell {
+            is_decided: true,
+            ..SureHitsOfCell::NONE
+        };
         let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
         let mut last = MISS;
         for row in 0..ROW {
-            for ray in (first + row * SIDE..).take(ROW) {
+            let first = first + row * SIDE;
+            // Layers mostly fill rows with one triangle.
+            if last != MISS && self.primitives[first..first + ROW] == [last; ROW] {
+                continue;
+            }
+            for ray in (first..).take(ROW) {
                 // Entries without a ray are infinitely near.
                 if self.low[ray] == f32::INFINITY {
                     continue;
                 }
-                let Some(sure_hit) = self.sure_hit(ray, self.primitives[ray]) else {
+                let stored = self.primitives[ray];
+                let Some(sure_hit) = self.sure_hit(ray, stored) else {
                     return SureHitsOfCell::NONE;
                 };
-                // Layers mostly fill a row with one triangle.
-                if sure_hit == last || found.list[..found.count].contains(&sure_hit) {
+                found.is_decided &= stored != UNDECIDED;
+                if found.list[..found.count].contains(&sure_hit) {
                     continue;
                 }
                 if found.count == MOST {

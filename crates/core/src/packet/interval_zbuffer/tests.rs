@@ -174,3 +174,33 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     merge(&mut zbuffer, by_id[4], 1.0);
     assert_eq!(rivals(&mut zbuffer), expected);
 }
+
+/// The bounds of depths contain those of a triangle that is nearest by an order of planes, whatever its own bounds are.
+#[test]
+fn a_triangle_that_wins_a_cell_widens_its_depths() {
+    let mut zbuffer = IntervalZBuffer::new();
+    zbuffer.clear(Plain, 20, 32, [f32::INFINITY; 2]);
+    let of = |primitive: u32, depth: f32| EdgeFunctions {
+        primitive,
+        ..flat(1.0, [depth, 0.0, 0.125])
+    };
+    for (first, hi_z) in [(0, 4.75), (16, 4.75)] {
+        assert_eq!(zbuffer.win(Plain, &of(3, 5.0), first), hi_z);
+        // It is the nearer one, though its depths alone say nothing: at least as near, at most as far.
+        assert_eq!(zbuffer.win(Plain, &of(4, 5.125), first), hi_z + 0.125);
+        assert_eq!(zbuffer.win(Plain, &of(5, 5.0), first), hi_z + 0.125);
+    }
+    for row in 0..ROW {
+        let below = row as f32 * 0.125;
+        let ray = row * SIDE + ROW - 1;
+        assert_eq!(zbuffer.primitives[ray], 5);
+        assert_eq!(
+            [zbuffer.low[ray], zbuffer.high[ray]],
+            [4.875 + below, 5.375 + below]
+        );
+        // Beyond the packet's last column.
+        assert_eq!(zbuffer.low[row * SIDE + 20], f32::INFINITY);
+    }
+    assert_eq!(zbuffer.row(0)[19], 5);
+    assert_eq!(zbuffer.low[ROW], f32::NEG_INFINITY);
+}

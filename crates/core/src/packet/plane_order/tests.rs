@@ -98,11 +98,9 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
                 decided += u32::from(first | second != 0);
                 let cell = y as usize / ROW * CELLS + x as usize / ROW;
                 let within = PlacesWithin::of_cell(cell);
-                if orders
-                    .order([0, 1], corners, || None)
-                    .is_first_within(&within)
-                {
-                    assert_eq!(truth, Ordering::Less, "{pair:?} {cell}");
+                let order = orders.order([0, 1], corners, || None).within(&within);
+                if let Some(order) = order {
+                    assert_eq!(truth, order, "{pair:?} {cell}");
                     cells += 1;
                 }
             }
@@ -232,7 +230,7 @@ fn places_in_single_precision_do_not_decide_across_a_crossing() {
     let order = PlaneOrder::new(
         &Some(plane),
         [first, corners],
-        &off_by(edges, 0.0),
+        || off_by(edges, 0.0),
         || None,
         || None,
     );
@@ -269,7 +267,7 @@ fn sums_within_the_error_of_edge_functions_decide_nothing() {
         signs(&PlaneOrder::new(
             &Some(plane),
             [first, corners],
-            &edges,
+            || edges,
             || None,
             || None,
         ))
@@ -291,9 +289,9 @@ fn corners_within_rounding_of_a_plane_decide_nothing() {
         let plane = Plane::new(first);
         let corners = [at(2.0, -3.0), at(-1.0, 3.0), at(3.0, 2.0)];
         let edges = off_by([constant(1.0), constant(2.0), constant(0.5)], 0.0);
-        let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), &edges);
+        let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), || edges);
         assert_eq!(signs(&order), [0, 0], "{a} {b} {c}");
-        let wide = PlaneOrder::new(&Some(plane), [first, corners], &edges, || None, || None);
+        let wide = PlaneOrder::new(&Some(plane), [first, corners], || edges, || None, || None);
         assert_eq!(signs(&wide), [0, 0], "{a} {b} {c}");
         rounded += u32::from(order.function.constant != 0.0);
     }
