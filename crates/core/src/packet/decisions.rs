@@ -134,7 +134,7 @@ impl<'a> Decisions<'a> {
         }
         self.plane_orders.order(pair, corners, || {
             let are_coplanar = coplanar.are(first, second, corners);
-            are_coplanar.then(|| is_first)
+            are_coplanar.then_some(is_first)
         })
     }
 }

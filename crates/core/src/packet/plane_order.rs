@@ -237,12 +237,9 @@ impl PlaneOrder {
         let value = constant + x * centre[0] + y * centre[1];
         // NaN fails this comparison.
         let is_sure = value.abs() - (x.abs() * half[0] + y.abs() * half[1]) > self.error;
-        is_sure.then(|| {
-            if value > 0.0 {
-                Ordering::Less
-            } else {
-                Ordering::Greater
-            }
+        is_sure.then_some(match value > 0.0 {
+            true => Ordering::Less,
+            false => Ordering::Greater,
         })
     }
 }

@@ -175,6 +175,9 @@ pub(super) fn check_aside(
                 // The truth is rounded too.
                 let error = f64::from(set_up.depth_key_error[l]) + 1e-14 * truth.abs();
                 assert!(off <= error, "{off} off, by {error} at most: ({x}, {y})");
+                // Without the error in it this fails.
+                let nearest = f64::from(set_up.nearest_key(l)) + 1e-14 * truth.abs();
+                assert!(truth <= nearest, "{truth} beyond {nearest}: ({x}, {y})");
             }
         }
     }

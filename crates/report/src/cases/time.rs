@@ -56,10 +56,12 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("eye_a_subnormal_number_from_planes", next_to_planes),
     timed("rays_through_edges_of_one_plane", integer_plane),
     timed("triangles_of_a_rounded_plane", rounded_plane),
+    // Every two of them cross: each is ordered with what covers a cell by the planes of the two.
     timed("layers_that_cross_by_subnormal_numbers", crossing_layers),
     // Half of the rays of each cell start behind the plane: nothing covers it.
     timed("rays_that_start_in_a_plane", ray_plane),
     timed("eye_next_to_a_vertex_of_thousands", next_to_fan),
+    // Each layer is nearer than the one before.
     timed("eye_next_to_a_vertex_of_layers", next_to_discs),
     timed("eye_next_to_thousands_of_one_plane", next_to_grid_plane),
     timed("eye_in_a_needle", inside_needle),
