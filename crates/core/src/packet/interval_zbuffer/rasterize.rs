@@ -71,8 +71,8 @@ impl IntervalZBuffer {
         never_hit
     }
 
-    /// Empties the bounds of rough triangles that are occluded by as much as is known of their depths: the same triangle need
-    /// not be set up again.
+    /// Empties the bounds of rough triangles that are occluded by as much as is known of their depths: they need not be set up
+    /// again.
     #[inline(never)]
     fn cull_rough(&self, set_up: &mut TriangleSetup) {
         for l in 0..LANES {
@@ -496,6 +496,8 @@ impl IntervalZBuffer {
                     let ray = j * SIDE + i;
                     self.high[ray] = f32::INFINITY;
                     self.leave_ray_undecided(ray, functions.primitive);
+                    // Hi-z stays as it is, but the cell's sure hits are no longer its rays' closest hits.
+                    self.dirty |= 1 << cell_of(ray);
                 }
             }
         }

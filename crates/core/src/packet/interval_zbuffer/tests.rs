@@ -7,8 +7,10 @@ use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::{Cull, Precision};
 use crate::num::simd::Plain;
+use crate::packet::around_tests::accel;
 use crate::packet::cast_tests::{build, grid, waves};
 use crate::packet::decisions::Decisions;
+use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_rect::RayRect;
 use crate::packet::setup_tests::{camera, space};
 use crate::random::Random;
@@ -203,4 +205,56 @@ fn a_triangle_that_wins_a_cell_widens_its_depths() {
     }
     assert_eq!(zbuffer.row(0)[19], 5);
     assert_eq!(zbuffer.low[ROW], f32::NEG_INFINITY);
+}
+
+/// An ill-conditioned triangle leaves rays undecided that had a closest hit: a cell that was known to be decided is looked at
+/// again. Where it is not, a triangle between the two wins the ray.
+#[test]
+fn a_cell_is_not_decided_after_an_ill_conditioned_triangle() {
+    let layer = |height: f64| {
+        let corner = |x: f64, y: f64| DVec3::new(x, y, height);
+        [corner(-9.0, -9.0), corner(9.0, -9.0), corner(0.0, 9.0)]
+    };
+    let accel = accel([-2.0, -3.0, -4.0].map(layer).to_vec());
+    let clip = Clip::NONE;
+    let mut decisions = decisions_of(&accel, &clip, Precision::Exact);
+    let plane = ImagePlane::new(32, 32, 0.1).expect("a good plane");
+    let pose = Pose {
+        eye: DVec3::Z,
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+    };
+    let camera = Camera::new(pose, Projection::Perspective, plane);
+    decisions.set_rays(
+        &space(&camera, accel.origin, Cull::None),
+        &RayRect::all(&camera.whole().lattice()),
+    );
+    let primitive = |number: u32| {
+        (0..3)
+            .find(|&at| accel.id(at) == number)
+            .expect("a kept triangle")
+    };
+    let [near, middle, far] = [0, 1, 2].map(primitive);
+    let cell = (0, &PlacesWithin::of_cell(0));
+    for is_disturbed in [false, true] {
+        let mut zbuffer = IntervalZBuffer::new();
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
+        let of_far = EdgeFunctions {
+            primitive: far,
+            ..flat(1.0, [0.0; 3])
+        };
+        zbuffer.win(Plain, &of_far, 0);
+        zbuffer.sure_hits.set(far, 0);
+        if is_disturbed {
+            let ill_conditioned = EdgeFunctions {
+                primitive: near,
+                ..flat(0.0, [0.0; 3])
+            };
+            zbuffer.mark_undecided(&ill_conditioned, (0, 0), (3, 3), (4, 4));
+            zbuffer.update_hi_z(Plain);
+        }
+        assert!(!zbuffer.is_behind_sure_hits(middle, cell, &mut decisions));
+        let is_before = zbuffer.is_before_sure_hits(middle, cell, &mut decisions);
+        assert_eq!(is_before, !is_disturbed);
+    }
 }
