@@ -1,6 +1,6 @@
 //! A binary tree of boxes, laid out for packet and single-ray traversal.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// The deepest tree. Traversals keep their stacks in arrays of this length, so a greater limit takes more of the
@@ -170,6 +170,11 @@ impl Box32 {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
         }
+    }
+
+    /// Its corners with the least and the greatest coordinates, in double precision.
+    pub(crate) fn corners(&self) -> [DVec3; 2] {
+        [self.min, self.max].map(Vec3::as_dvec3)
     }
 }
 

@@ -15,8 +15,8 @@ use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{Lanes, Work, dispatch};
 use crate::single::{self, Clipped};
+use crate::triangle::BoundedHit;
 use crate::triangle::clip::Clip;
-use crate::triangle::{BoundedHit, PreparedRay};
 use around::FindAround;
 
 impl Accel {
@@ -245,8 +245,9 @@ impl Find<'_> {
     /// rivals it traverses the tree.
     fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
         let ray = self.lattice.ray(column, row);
-        let ray = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision);
-        let Some(ray) = ray else { return MISS };
+        let Some(ray) = (self.accel).prepare(&ray, self.cull, self.precision) else {
+            return MISS;
+        };
         let nearest = match rivals {
             Some(rivals) if self.precision == Precision::Exact => {
                 let mut nearest = BoundedHit::NONE;

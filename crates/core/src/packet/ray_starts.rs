@@ -11,7 +11,6 @@ use crate::bvh::Accel;
 use crate::camera::{Lattice, Projection};
 use crate::hit::{Cull, Precision};
 use crate::ray::{Ray, relative_origin};
-use crate::triangle::PreparedRay;
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::DVec3;
@@ -136,7 +135,7 @@ impl RayStarts {
                 .plane
                 .and_then(|plane| starts_before(&plane, &ray, accel.origin));
             let is_in_front = sure.unwrap_or_else(|| {
-                let ray = PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact);
+                let ray = accel.prepare(&ray, Cull::None, Precision::Exact);
                 ray.is_some_and(|ray| !ray.hit_on(primitive, corners(primitive)).is_miss())
             });
             if is_in_front {

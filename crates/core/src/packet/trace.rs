@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use crate::camera::Rect;
     use crate::packet::cast_tests::{cameras, waves};
-    use crate::triangle::{BoundedHit, PreparedRay};
+    use crate::triangle::BoundedHit;
     use glam::DVec3;
 
     fn lattices(size: f64, offset: DVec3) -> impl Iterator<Item = Lattice> {
@@ -275,9 +275,9 @@ mod tests {
                     let columns = large.rays.columns;
                     let (column, row) = (place % columns, place / columns);
                     let ray = large.rays.ray(column, row);
-                    let prepared =
-                        PreparedRay::new(&ray, accel.origin, Cull::None, Precision::Exact)
-                            .expect("a ray");
+                    let prepared = accel
+                        .prepare(&ray, Cull::None, Precision::Exact)
+                        .expect("a ray");
                     for primitive in
                         (0..all).filter(|primitive| listed.binary_search(primitive).is_err())
                     {

@@ -69,7 +69,7 @@ impl<'a> Clipped<'a> {
 
     /// As [`Clipped::cast`], by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
-        let ray = PreparedRay::new(ray, self.accel.origin, cull, Precision::Exact)?;
+        let ray = self.accel.prepare(ray, cull, Precision::Exact)?;
         let mut nearest = BoundedHit::NONE;
         for primitive in self.accel.primitives() {
             let mut hit = BoundedHit::NONE;
@@ -108,7 +108,7 @@ impl<'a> Clipped<'a> {
                 continue;
             }
             let ray = lattice.ray(at % lattice.columns, at / lattice.columns);
-            let Some(ray) = PreparedRay::new(&ray, self.accel.origin, cull, precision) else {
+            let Some(ray) = self.accel.prepare(&ray, cull, precision) else {
                 continue;
             };
             let hit = ray.hit_on(*primitive, self.accel.corners(*primitive));
@@ -123,7 +123,7 @@ impl<'a> Clipped<'a> {
     }
 
     fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> BoundedHit {
-        match PreparedRay::new(ray, self.accel.origin, cull, precision) {
+        match self.accel.prepare(ray, cull, precision) {
             Some(ray) if self.masks.is_some() => self.nearest_kept(&ray),
             Some(ray) => traversal::nearest(self.accel, &self.clip, &ray),
             None => BoundedHit::NONE,

@@ -33,7 +33,7 @@ impl Accel {
 
     /// As [`Accel::cast`], by testing every triangle: for tests.
     pub fn cast_brute_force(&self, ray: &Ray, cull: Cull) -> Option<Hit> {
-        let ray = PreparedRay::new(ray, self.origin, cull, Precision::Exact)?;
+        let ray = self.prepare(ray, cull, Precision::Exact)?;
         let mut nearest = BoundedHit::NONE;
         for primitive in self.primitives() {
             self.intersect(&ray, primitive, &mut nearest);
@@ -42,10 +42,21 @@ impl Accel {
     }
 
     fn nearest(&self, ray: &Ray, cull: Cull, precision: Precision) -> BoundedHit {
-        match PreparedRay::new(ray, self.origin, cull, precision) {
+        match self.prepare(ray, cull, precision) {
             Some(ray) => traversal::nearest(self, &Clip::NONE, &ray),
             None => BoundedHit::NONE,
         }
+    }
+
+    /// Prepares a ray for this scene's triangles. `None` if it is not valid.
+    pub(crate) fn prepare(
+        &self,
+        ray: &Ray,
+        cull: Cull,
+        precision: Precision,
+    ) -> Option<PreparedRay> {
+        let ray = PreparedRay::new(ray, self.origin, cull, precision)?;
+        Some(ray.close_to(self.tree.bounds.corners()))
     }
 
     /// Intersects a ray with a triangle: see [`PreparedRay::intersect`].

@@ -61,7 +61,7 @@ impl OrderedHits {
     ) -> Option<PreparedRay> {
         self.hits.clear();
         self.is_closed = false;
-        PreparedRay::new(ray, kept.accel.origin, cull, precision)
+        kept.accel.prepare(ray, cull, precision)
     }
 
     /// Inserts the hits with some triangles.

@@ -27,7 +27,7 @@ impl Clipped<'_> {
         for [u, v] in [inner(hit.u, hit.v), [third; 2]] {
             let point = a + (b - a) * u + (c - a) * v;
             let ray = Ray::new(eye, point - (eye - origin));
-            let Some(ray) = PreparedRay::new(&ray, origin, cull, Precision::Exact) else {
+            let Some(ray) = self.accel.prepare(&ray, cull, Precision::Exact) else {
                 continue;
             };
             let mut own = BoundedHit::NONE;

@@ -4,9 +4,8 @@
 //! rounding error of both ends.
 
 use crate::bvh::tree::{Box32, BoxPair};
-use crate::num::roundoff::EPSILON;
+use crate::num::double_double::DoubleDouble;
 use crate::triangle::PreparedRay;
-use glam::DVec3;
 
 /// The component of a direction, relative to the longest, below which it counts as parallel to a box's faces. With a
 /// greater value slabs are widened by more, and rays enter boxes that they miss; with a lesser one reciprocals
@@ -20,14 +19,8 @@ const PARALLEL: f64 = 1.0 / (1 << 24) as f64;
 /// nothing.
 const SLACK: f32 = 14.0 / (1 << 24) as f32;
 
-/// The distance of a ray's origin, in lengths of the scene, beyond which distances are measured from a point of the
-/// ray close to the scene. From nearer, rounding errors are a few units of the scene's size, and no such point is
-/// needed; from further away errors proportional to the distance would make rays enter boxes that they miss.
-const FAR: f64 = 4.0;
-
 /// A ray prepared for tests against boxes. Distances are in units of the advance along the major axis, measured from
-/// the ray's start: the origin or, where that is far away, a point close to the scene, so that rounding errors are
-/// relative to the scene's size and not to the distance.
+/// the ray's start.
 pub(super) struct SlabRay {
     /// A lower bound of the start's coordinates.
     low: [f32; 3],
@@ -37,8 +30,8 @@ pub(super) struct SlabRay {
     inverse: [f32; 3],
     /// The start of the ray's range, rounded down.
     begin: f32,
-    /// The distance from the origin to the start.
-    skipped: f64,
+    /// The ray's parameter at the start; `None` at the origin.
+    skipped: Option<DoubleDouble>,
     /// Advance along the major axis per unit of the ray's parameter.
     advance: f64,
 }
@@ -47,28 +40,10 @@ impl SlabRay {
     /// `bounds` is the box around everything.
     pub(super) fn new(ray: &PreparedRay, bounds: &Box32) -> Self {
         let direction = ray.ray.direction / ray.advance.abs();
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let reach_from = |point: DVec3| {
-            let away = (min - point).abs().max((max - point).abs());
-            away.max_element()
-        };
-        let skipped = if reach_from(ray.origin) > FAR * (max - min).max_element() {
-            // The parameter of the ray's closest point to the scene's centre. Any point would be correct.
-            let way = ((min + max) * 0.5 - ray.origin).dot(direction) / direction.length_squared();
-            if way.is_finite() { way } else { 0.0 }
-        } else {
-            0.0
-        };
-        let start = ray.origin + direction * skipped;
-        // The direction is rounded to ε of itself, its components are at most 1, and the product is rounded: 2ε ·
-        // |skipped|. The sum adds ε · (|origin| + |skipped|), and adding this to it as much again.
-        let start_error = if skipped == 0.0 {
-            0.0
-        } else {
-            4.0 * EPSILON * (skipped.abs() + ray.origin.abs().max_element())
-        };
-        let reach = reach_from(start);
-        let (start, direction) = (start.to_array(), direction.to_array());
+        let [min, max] = bounds.corners();
+        let away = (min - ray.start).abs().max((max - ray.start).abs());
+        let reach = away.max_element();
+        let (start, direction) = (ray.start.to_array(), direction.to_array());
         let mut low = [0.0; 3];
         let mut high = [0.0; 3];
         let mut inverse = [0.0; 3];
@@ -82,32 +57,39 @@ impl SlabRay {
             } else {
                 (0.0, 1.0 / slope)
             };
-            // Twice the origin's own error, because adding it rounds by as much again.
-            let pad = pad + 2.0 * ray.origin_error + start_error;
+            // Twice the start's own error, because adding it rounds by as much again.
+            let pad = pad + 2.0 * ray.start_error;
             low[axis] = round_down(start[axis] - pad);
             high[axis] = round_up(start[axis] + pad);
             inverse[axis] = factor as f32;
         }
-        let begin = ray.ray.t_min * ray.advance.abs();
-        // A product and a difference are rounded.
-        let rounding = 4.0 * EPSILON * (begin.abs() + skipped.abs());
-        let begin = round_down(begin - skipped - rounding);
-        Self {
+        let mut slab = Self {
             low,
             high,
             inverse,
-            // The slack of far ends would cover this as well.
-            begin: begin - begin.abs() * SLACK,
-            skipped,
+            begin: 0.0,
+            skipped: ray.skipped,
             advance: ray.advance.abs(),
-        }
+        };
+        let begin = round_down(slab.distance(ray.ray.t_min, 0.0));
+        slab.begin = begin - begin.abs() * SLACK;
+        slab
+    }
+
+    /// The distance from the start of the point at `t` + `t_error`, within 4ε of itself, which the slack of far ends covers.
+    fn distance(&self, t: f64, t_error: f64) -> f64 {
+        let way = match self.skipped {
+            Some(skipped) if t.is_finite() => {
+                (DoubleDouble::from(t) - skipped + t_error.into()).high
+            }
+            _ => t + t_error,
+        };
+        way * self.advance
     }
 
     /// An upper bound of the distance along the ray of a hit at `t` ± `t_error`.
     pub(super) fn limit(&self, t: f64, t_error: f64) -> f32 {
-        let limit = (t + t_error) * self.advance;
-        let rounding = 4.0 * EPSILON * self.skipped.abs();
-        let limit = round_up(limit - self.skipped + rounding);
+        let limit = round_up(self.distance(t, t_error));
         limit + limit.abs() * SLACK
     }
 
@@ -168,10 +150,9 @@ fn round_up(x: f64) -> f32 {
 mod tests {
     use super::*;
     use crate::hit::{Cull, Precision};
-    use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
     use crate::ray::Ray;
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     /// From far away, where subtracting the skipped distance cancels nearly all of a distance. The truth is
     /// double-double arithmetic; without the terms for rounding this fails.
@@ -185,12 +166,12 @@ mod tests {
         for _ in 0..20_000 {
             let ray = Ray::new(random.point() * 1e9, random.point());
             let ray = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
-            let mut ray = ray.expect("a valid ray");
-            let skipped = SlabRay::new(&ray, &bounds).skipped;
-            let t = (skipped + random.signed()) / ray.advance.abs();
+            let mut ray = ray.expect("a valid ray").close_to(bounds.corners());
+            let skipped = ray.skipped.expect("a far origin");
+            let t = skipped.high + random.signed() / ray.advance.abs();
             ray.ray.t_min = t;
             let slab = SlabRay::new(&ray, &bounds);
-            let along = DoubleDouble::from(t) * slab.advance.into() - slab.skipped.into();
+            let along = (DoubleDouble::from(t) - skipped) * slab.advance.into();
             let (begin, end) = (slab.begin, slab.limit(t, 0.0));
             assert!(f64::from(begin) <= along.high && f64::from(end) >= along.high);
         }

@@ -102,7 +102,8 @@ fn of_far_tiny_boxes_only_those_that_are_hit_are_entered() {
         let pair = BoxPair::of([around(target), around(target + aside)]);
         let enter = |ray: &Ray| {
             let prepared = PreparedRay::new(ray, DVec3::ZERO, Cull::None, Precision::Exact);
-            let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
+            let prepared = prepared.expect("a valid ray").close_to(bounds.corners());
+            let slab = SlabRay::new(&prepared, &bounds);
             let limit = slab.limit(ray.t_max, 0.0);
             slab.enter(&pair, limit).map(|(_, is_hit)| is_hit)
         };
@@ -148,7 +149,8 @@ fn starts_close_to_the_scene_are_within_their_error_bound() {
         let ray = Ray::new(origin, target - origin);
         assert_eq!(ray.origin + ray.direction, target);
         let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
-        let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
+        let prepared = prepared.expect("a valid ray").close_to(bounds.corners());
+        let slab = SlabRay::new(&prepared, &bounds);
         let point = target.as_vec3();
         assert_eq!(point.as_dvec3(), target);
         let only = Box32 {

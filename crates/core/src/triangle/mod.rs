@@ -2,6 +2,7 @@
 
 mod bounded_hit;
 pub(crate) mod clip;
+mod close_start;
 mod componentwise;
 pub(crate) mod coplanar;
 mod corner_lanes;

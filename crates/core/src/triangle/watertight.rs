@@ -10,11 +10,13 @@
 mod order;
 
 use super::BoundedHit;
+use super::close_start::CloseStart;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, OffsetTriangle};
 use super::eye_triangle::EyeTriangle;
 use crate::hit::{Cull, Precision};
+use crate::num::double_double::DoubleDouble;
 use crate::num::roundoff::EPSILON;
 use crate::ray::{Ray, relative_origin};
 use glam::{DVec3, Vec3};
@@ -31,7 +33,12 @@ pub(crate) struct PreparedRay {
     /// The ray's origin relative to `tree_origin`, rounded.
     pub(crate) origin: DVec3,
     /// Bound on the error of its coordinates.
-    pub(crate) origin_error: f64,
+    origin_error: f64,
+    /// The origin or, where that is far away, a point of the ray close to the scene, and the bound on its error.
+    pub(crate) start: DVec3,
+    pub(crate) start_error: f64,
+    /// The ray's parameter there; `None` at the origin.
+    pub(crate) skipped: Option<DoubleDouble>,
     /// The axis along which the direction is longest.
     pub(crate) major: usize,
     /// `direction[axis] / direction[major]` for the two axes after the major one; at most 1.
@@ -77,6 +84,9 @@ impl PreparedRay {
             tree_origin,
             origin,
             origin_error,
+            start: origin,
+            start_error: origin_error,
+            skipped: None,
             major,
             shear,
             advance,
@@ -84,6 +94,21 @@ impl PreparedRay {
             precision,
             was_exact: Cell::new(false),
         })
+    }
+
+    /// The same ray for triangles that are all in a box, from its `min` to its `max`: where the ray comes from far away, it
+    /// is measured from a point close to them.
+    #[must_use]
+    pub(crate) fn close_to(self, bounds: [DVec3; 2]) -> Self {
+        match CloseStart::new(&self.ray, self.tree_origin, self.origin, bounds) {
+            Some(close) => Self {
+                start: close.point,
+                start_error: close.error,
+                skipped: Some(close.parameter),
+                ..self
+            },
+            None => self,
+        }
     }
 
     /// Whether some triangle tested so far was decided exactly.
@@ -150,6 +175,10 @@ impl PreparedRay {
         corners: [Vec3; 3],
         from_eye: &EyeTriangle,
     ) -> Verdict {
+        let verdict = self.intersect_from_start(primitive, corners);
+        if !matches!(verdict, Verdict::Undecided) {
+            return verdict;
+        }
         let determinants = self.componentwise(corners);
         let verdict = self.intersect_by_determinants(primitive, determinants);
         if !matches!(verdict, Verdict::Undecided) {
@@ -304,12 +333,18 @@ impl PreparedRay {
     /// The triangle's edge functions for this ray.
     #[inline(always)]
     fn edges(&self, corners: [Vec3; 3]) -> Edges {
+        self.edges_from(corners, self.origin, self.origin_error)
+    }
+
+    /// The triangle's edge functions for this ray, from a point of it that is off by at most `error`.
+    #[inline(always)]
+    fn edges_from(&self, corners: [Vec3; 3], point: DVec3, error: f64) -> Edges {
         let [a, b, c] = [
             corners[0].to_array(),
             corners[1].to_array(),
             corners[2].to_array(),
         ];
-        let origin = self.origin.to_array();
+        let origin = point.to_array();
         let along = |axis: usize| {
             let origin = origin[axis];
             [
@@ -319,7 +354,7 @@ impl PreparedRay {
             ]
         };
         let [x, y, z] = axes(self.major);
-        Edges::new(along(x), along(y), along(z), self.shear, self.origin_error)
+        Edges::new(along(x), along(y), along(z), self.shear, error)
     }
 
     /// Whether a triangle with these edge functions shows a culled back face. It is seen along the major axis, so its
@@ -348,7 +383,34 @@ impl PreparedRay {
 
     /// Intersects in double precision; undecided where the bounds of [`Edges`] do not suffice.
     fn intersect_in_double(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
-        let edges = self.edges(corners);
+        self.intersect_by_edges(primitive, self.edges(corners), |point| point)
+    }
+
+    /// As [`PreparedRay::intersect_in_double`], from a point close to the scene; undecided where the origin is close to it.
+    fn intersect_from_start(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
+        let Some(skipped) = self.skipped else {
+            return Verdict::Undecided;
+        };
+        let edges = self.edges_from(corners, self.start, self.start_error);
+        self.intersect_by_edges(primitive, edges, |point| {
+            let t = (skipped + point.t.into()).high;
+            // A sum's error is 3.1ε² of itself, before it is rounded.
+            let t_error = point.t_error + 1.01 * EPSILON * t.abs();
+            Point {
+                t,
+                t_error,
+                ..point
+            }
+        })
+    }
+
+    #[inline(always)]
+    fn intersect_by_edges(
+        &self,
+        primitive: u32,
+        edges: Edges,
+        from_origin: impl Fn(Point) -> Point,
+    ) -> Verdict {
         if edges.surely_outside() {
             return Verdict::Miss;
         }
@@ -358,7 +420,7 @@ impl PreparedRay {
         if self.is_culled(&edges) {
             return Verdict::Miss;
         }
-        self.within_range(primitive, edges.point(self.advance))
+        self.within_range(primitive, from_origin(edges.point(self.advance)))
     }
 }
 
@@ -514,6 +576,39 @@ mod tests {
         }
     }
 
+    /// Triangles of 10⁻¹³ of their distance and less, which double precision hardly tells apart from the eye: from a point of the
+    /// ray close to them nearly all are decided. The truth is integer arithmetic.
+    #[test]
+    fn triangles_that_are_tiny_and_far_are_decided_from_a_start_close_to_them() {
+        let mut random = Random(67);
+        let [mut from_eye, mut from_start, mut rays] = [0; 3];
+        for _ in 0..4000 {
+            let size = crate::math::pow(10.0, -13.0 - 3.0 * random.unit());
+            let corners = [(); 3].map(|()| (random.point() * size).as_vec3());
+            let eye = random.point() * 3.0;
+            let direction = random.point() * size - eye;
+            let ray = Ray::new(eye, direction * random.unit());
+            let bounds = [DVec3::splat(-size), DVec3::splat(size)];
+            let cull = [Cull::None, Cull::Back][rays as usize % 2];
+            let prepared = PreparedRay::new(&ray, DVec3::ZERO, cull, Precision::Exact);
+            let Some(prepared) = prepared.map(|ray| ray.close_to(bounds)) else {
+                continue;
+            };
+            rays += 1;
+            let truth = exact::hit(&ray, &prepared.placed(corners), cull, 0);
+            let what = (ray, corners);
+            let verdict = prepared.intersect_in_double(0, corners);
+            from_eye += u32::from(is_decided(&verdict, truth.as_ref(), what));
+            let verdict = prepared.intersect_from_start(0, corners);
+            from_start += u32::from(is_decided(&verdict, truth.as_ref(), what));
+        }
+        assert!(
+            rays > 3900 && from_start > rays * 19 / 20,
+            "{from_start} of {rays}"
+        );
+        assert!(from_eye < rays / 2, "{from_eye} of {rays}");
+    }
+
     /// The numerator of this ray's parameter is about 10⁻³⁸⁰, which no double is: not zero, as in a plane that contains the
     /// origin.
     #[test]
@@ -543,11 +638,12 @@ mod tests {
         ] {
             let [
                 mut decided,
+                mut decided_from_start,
                 mut closely_decided,
                 mut decided_from_eye,
                 mut widely_decided,
                 mut hits,
-            ] = [0; 5];
+            ] = [0; 6];
             for _ in 0..8000 {
                 let middle = DVec3::new(place, place * 0.7, -place);
                 let size = place.max(1.0) * crate::math::pow(10.0, -6.0 * random.unit());
@@ -586,10 +682,16 @@ mod tests {
                     };
                 }
                 let prepared = PreparedRay::new(&ray, tree_origin, Cull::None, Precision::Exact);
-                let prepared = prepared.expect("a valid ray");
+                let [a, b, c] = corners.map(Vec3::as_dvec3);
+                let bounds = [a.min(b).min(c), a.max(b).max(c)];
+                let prepared = prepared.expect("a valid ray").close_to(bounds);
                 let truth = exact::hit(&ray, &prepared.placed(corners), Cull::None, 0);
                 let verdicts = [
                     (prepared.intersect_in_double(0, corners), &mut decided),
+                    (
+                        prepared.intersect_from_start(0, corners),
+                        &mut decided_from_start,
+                    ),
                     (
                         prepared.intersect_componentwise(0, corners),
                         &mut closely_decided,
@@ -610,6 +712,7 @@ mod tests {
             }
             assert!(hits > 1000, "{hits}");
             assert!(decided > 300, "{decided}");
+            assert!(decided_from_start > 300, "{decided_from_start}");
             assert!(closely_decided > 200, "{closely_decided} of {decided}");
             assert!(decided_from_eye > 2000, "{decided_from_eye}");
             assert!(widely_decided > 1500, "{widely_decided}");

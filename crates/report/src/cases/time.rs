@@ -7,10 +7,11 @@ use super::{Case, CaseTheme, Setting};
 use crate::cameras::PROJECTIONS;
 pub use scenes::{ScenePair, SceneView};
 use scenes::{
-    between_layers, coincident, cone, crossing_layers, exponents, far_vertex, inside_needle,
-    integer_plane, mesh_copies, next_to_discs, next_to_fan, next_to_grid_plane, next_to_layers,
-    next_to_planes, next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane,
-    shared_edge, shared_plane, shared_vertex, subnormal_layers, thin_boxes, tiny_and_far,
+    between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
+    far_vertex, inside_needle, integer_plane, mesh_copies, next_to_discs, next_to_fan,
+    next_to_grid_plane, next_to_layers, next_to_planes, next_to_vertex, one_plane, ray_plane,
+    rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex, subnormal_layers,
+    thin_boxes, tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -44,6 +45,8 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("thin_boxes_behind_one_another", thin_boxes),
     // Single precision does not tell the front from the back: each ray decides between the two.
     timed("tiny_and_far", tiny_and_far),
+    // Rays are rounded by more than their distance from each other: each is cast alone.
+    timed("rays_closer_than_roundings", closer_than_roundings),
     timed("layers_in_one_plane", one_plane),
     timed("layers_a_rounding_apart", rounded_layers),
     timed("layers_apart_by_subnormal_numbers", subnormal_layers),
@@ -139,6 +142,12 @@ pub(super) const CASES: &[Case] = &[
         tiny_and_far,
         (24, 18),
         "A sphere some 1e-11 of its distance across: single precision sees all its triangles in every ray."
+    ),
+    case!(
+        "rays_closer_than_roundings",
+        closer_than_roundings,
+        (24, 18),
+        "A sphere some 1e-15 of its distance across: rays' directions are rounded by more than they differ."
     ),
     case!(
         "layers_in_one_plane",

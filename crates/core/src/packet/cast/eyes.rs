@@ -8,7 +8,6 @@ use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::packet::counts::CastCounts;
 use crate::packet::ray_rect::RayRect;
-use crate::triangle::PreparedRay;
 use crate::triangle::clip::Clip;
 
 /// Halves of a lattice, and the column and row of each half's first ray.
@@ -100,7 +99,7 @@ impl Accel {
             let mut hit = PrimitiveHit::NONE;
             if primitive != MISS {
                 let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);
-                let ray = PreparedRay::new(&ray, self.origin, cull, precision);
+                let ray = self.prepare(&ray, cull, precision);
                 hit = ray.map_or(hit, |ray| {
                     (ray.hit_on(primitive, self.corners(primitive))).to_primitive_hit()
                 });

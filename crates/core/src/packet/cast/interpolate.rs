@@ -9,7 +9,7 @@ use crate::triangle::interpolate::{
     LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
-use crate::triangle::{CornerLanes, EyeTriangle, PreparedRay};
+use crate::triangle::{CornerLanes, EyeTriangle};
 
 impl Accel {
     /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find_closest`] found, given by the
@@ -372,7 +372,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     #[inline(never)]
     fn one(&mut self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
         let ray = self.lattice.ray(column, row);
-        let Some(ray) = PreparedRay::new(&ray, self.accel.origin, self.cull, self.precision) else {
+        let Some(ray) = (self.accel).prepare(&ray, self.cull, self.precision) else {
             return PrimitiveHit::NONE;
         };
         let corners = self.accel.corners_of::<INSTANCES>(primitive);

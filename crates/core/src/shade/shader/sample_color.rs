@@ -11,7 +11,7 @@ use crate::shade::interpolants::HitParameters;
 use crate::shade::reflection::{self, PlainReflectance, Surface, Surfaces};
 use crate::shade::slopes::slopes;
 use crate::shade::vectors::Vectors;
-use crate::triangle::{BoundedHit, PreparedRay};
+use crate::triangle::BoundedHit;
 use glam::{DVec3, Vec2, Vec3};
 
 impl Shader<'_> {
@@ -248,7 +248,7 @@ impl Shader<'_> {
     #[inline(never)]
     fn cast_again(&self, primitive: u32, (x, y): (f64, f64)) -> PrimitiveHit {
         let ray = self.camera.ray(x, y);
-        let ray = PreparedRay::new(&ray, self.accel.origin(), Cull::None, Precision::Exact);
+        let ray = self.accel.prepare(&ray, Cull::None, Precision::Exact);
         let hit = ray.map(|ray| ray.hit_on(primitive, self.accel.corners(primitive)));
         PrimitiveHit {
             primitive,

@@ -196,17 +196,24 @@ pub(super) fn thin_boxes() -> ScenePair {
     )
 }
 
-/// A sphere of 640 rays across or more, along no axis; and one as large in the picture of a camera next
-/// to it.
-pub(super) fn tiny_and_far() -> ScenePair {
+/// A sphere along no axis, and one as large in the picture of a camera next to it.
+fn distant_sphere(radius: f64) -> ScenePair {
     let view_of = |radius: f64| SceneView {
         scene: single_mesh(meshes::sphere(DVec3::ZERO, radius, 40)),
         view: (DVec3::new(1.0, 2.0, 4.0), DVec3::ZERO, 3.0 * radius),
     };
     ScenePair {
-        hostile: view_of(2e-11),
+        hostile: view_of(radius),
         ordinary: view_of(1.0),
     }
+}
+
+pub(super) fn tiny_and_far() -> ScenePair {
+    distant_sphere(2e-11)
+}
+
+pub(super) fn closer_than_roundings() -> ScenePair {
+    distant_sphere(2e-15)
 }
 
 /// Triangles of one plane that no axis lies in, around its middle.
