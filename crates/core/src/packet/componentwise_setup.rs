@@ -42,6 +42,7 @@
 
 use super::setup::{FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, TriangleSetup};
 use crate::hit::Cull;
+use crate::num::choice::greater;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::exact::OffsetTriangle;
@@ -56,6 +57,9 @@ const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 /// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed again that leave few
 /// rays undecided; with a greater one all rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
+
+/// As many triangles as a register has doubles.
+const HALF: usize = LANES / 2;
 
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
 #[derive(Clone, Copy)]
@@ -142,28 +146,53 @@ struct Factors {
     normal: Bounded,
     /// For each edge its corners P and Q relative to the eye, and u = Q − P.
     edges: [(DVec3, DVec3, DVec3); 3],
+    /// Whether all numbers are zero or within [`NUMBER_RANGE`].
+    in_range: bool,
 }
 
 impl Factors {
-    /// `None` where a number is out of [`NUMBER_RANGE`].
     #[inline(always)]
-    fn new([a, b, c]: [DVec3; 3], origin: DVec3) -> Option<Self> {
+    fn new([a, b, c]: [DVec3; 3], origin: DVec3) -> Self {
         let (p, q, r) = (a - origin, b - origin, c - origin);
         let (ab, bc, ca) = (b - a, c - b, a - c);
-        let mut in_range = true;
-        for vector in [p, q, r, ab, bc, ca] {
-            let size = vector.abs();
-            let within = size.cmpge(DVec3::splat(1.0 / NUMBER_RANGE))
-                & size.cmple(DVec3::splat(NUMBER_RANGE));
-            in_range &= (within | size.cmpeq(DVec3::ZERO)).all();
-        }
-        // NaN counts as out of range.
-        in_range.then(|| Self {
+        let in_range = is_in_range(p)
+            & is_in_range(q)
+            & is_in_range(r)
+            & is_in_range(ab)
+            & is_in_range(bc)
+            & is_in_range(ca);
+        Self {
             relative: [p, q, r],
             normal: Bounded::cross(ab, -ca, bc),
             edges: [(q, r, bc), (r, p, ca), (p, q, ab)],
-        })
+            in_range,
+        }
     }
+}
+
+#[inline(always)]
+fn is_in_range(vector: DVec3) -> bool {
+    is_number_in_range(vector.x) & is_number_in_range(vector.y) & is_number_in_range(vector.z)
+}
+
+#[inline(always)]
+fn is_number_in_range(x: f64) -> bool {
+    let size = x.abs();
+    let is_too_small = (size < 1.0 / NUMBER_RANGE) & (size != 0.0);
+    // NaN counts as out of range.
+    !is_too_small & (size <= NUMBER_RANGE)
+}
+
+/// The functions of one triangle over the whole packet.
+struct Functions {
+    /// The numerator of the depth key, and the bound on its error.
+    numerator: (Linear, f64),
+    /// Its denominator without D, which is negative where the front faces the eye, and the bound on its error.
+    facing: (f64, f64),
+    /// Edge functions, not yet positive inside, and the bounds on their errors.
+    edges: [(Linear, f64); 3],
+    /// Whether an edge function of a perspective packet would be more accurate with a closer cross product.
+    are_rounded: [bool; 3],
 }
 
 /// Triangles that are set up again with componentwise bounds.
@@ -178,85 +207,91 @@ pub(super) struct ComponentwiseSetup<'a> {
 impl Work for ComponentwiseSetup<'_> {
     #[inline(always)]
     fn run(self, _: impl Lanes) {
-        let mut which = self.which;
-        while which != 0 {
-            let l = which.trailing_zeros() as usize % LANES;
-            which &= which - 1;
-            self.space.set_up_componentwise(self.corners, l, self.out);
+        let Self {
+            space,
+            corners,
+            which,
+            out,
+        } = self;
+        let mut rounded = 0;
+        for first in [0, HALF] {
+            if which >> first & ((1 << HALF) - 1) == 0 {
+                continue;
+            }
+            for l in first..first + HALF {
+                let factors = Factors::new(corners_in_lane(corners, l), space.origin);
+                let functions = space.functions(&factors);
+                let is_asked = (which >> l & 1 != 0) & factors.in_range;
+                rounded |= u32::from(is_asked & space.are_rounded(&functions)) << l;
+                space.store(&functions, (l, is_asked), out);
+            }
+        }
+        while rounded != 0 {
+            let l = rounded.trailing_zeros() as usize % LANES;
+            rounded &= rounded - 1;
+            if out.boxes[l].right >= 0
+                && let Some(functions) = space.functions_closely(corners_in_lane(corners, l))
+            {
+                space.store(&functions, (l, true), out);
+            }
         }
     }
 }
 
+#[inline(always)]
+fn corners_in_lane([ax, ay, az, bx, by, bz, cx, cy, cz]: &CornerLanes, l: usize) -> [DVec3; 3] {
+    [
+        Vec3::new(ax[l], ay[l], az[l]).as_dvec3(),
+        Vec3::new(bx[l], by[l], bz[l]).as_dvec3(),
+        Vec3::new(cx[l], cy[l], cz[l]).as_dvec3(),
+    ]
+}
+
 impl PacketSpace {
-    /// Sets up lane `l` again. If no ray hits the triangle its ray bounds are emptied.
+    /// Stores a triangle's functions as those of lane `l`, if it is asked for. If no ray hits the triangle its ray bounds are
+    /// emptied.
     #[inline(always)]
-    fn set_up_componentwise(&self, corners: &CornerLanes, l: usize, out: &mut TriangleSetup) {
-        let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
-        let a = Vec3::new(ax[l], ay[l], az[l]).as_dvec3();
-        let b = Vec3::new(bx[l], by[l], bz[l]).as_dvec3();
-        let c = Vec3::new(cx[l], cy[l], cz[l]).as_dvec3();
-        let Some(Factors {
-            relative,
-            normal,
-            edges,
-        }) = Factors::new([a, b, c], self.origin)
-        else {
-            return;
-        };
-        let corners = [a, b, c].map(DVec3::as_vec3);
-        let (key, facing, numerator_error) =
-            self.depth_function(corners, relative, &normal, &edges);
-        let clear = is_clear(facing);
-        let (facing, facing_error) = facing;
-        if clear & (self.cull == Cull::Back) & (facing > 0.0) {
-            out.boxes[l].right = -1;
-            return;
-        }
-        let [a, b, c] = corners;
-        let ends = [[b, c], [c, a], [a, b]];
+    fn store(&self, functions: &Functions, (l, is_asked): (usize, bool), out: &mut TriangleSetup) {
+        let (facing, facing_error) = functions.facing;
+        let clear = is_clear(functions.facing);
+        let mut culled = (self.cull == Cull::Back) & (facing > 0.0);
         let span = FunctionDomain::of(&out.boxes[l]);
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
-        let mut greatest_error: f64 = 0.0;
+        let mut greatest_error = 0.0;
         let mut is_sound = true;
-        for (edge, &(from, to, u)) in edges.iter().enumerate() {
-            let (function, error) = self.edge(ends[edge], (from, to, u));
+        for (edge, (function, error)) in functions.edges.iter().enumerate() {
             let function = function.moved(&span);
             let magnitude = function.size(&span);
             let unit = sign / magnitude;
-            let (constant, x, y) = (
-                function.constant * unit,
-                function.x * unit,
-                function.y * unit,
-            );
+            let function = function.times(unit);
             let error = error / magnitude;
-            let greatest = constant + (x * span.across).max(0.0) + (y * span.along).max(0.0);
-            if clear & (greatest < -error) {
-                out.boxes[l].right = -1;
-                return;
-            }
+            let across = greater(function.x * span.across, 0.0);
+            let along = greater(function.y * span.along, 0.0);
+            culled |= function.constant + across + along < -error;
             let error = (error + LINEAR_ERROR) * 1.001;
-            out.edge_scales[edge][l] = magnitude;
+            // If it is not, the other two may still have different signs.
             let edge_is_sound = (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
-            if !edge_is_sound {
-                // The other two may still have different signs.
-                is_sound = false;
-                out.edges[edge].iter_mut().for_each(|term| term[l] = 0.0);
-                continue;
+            is_sound &= edge_is_sound;
+            let is_greater = edge_is_sound & (error > greatest_error);
+            greatest_error = if is_greater { error } else { greatest_error };
+            let terms = [function.constant, function.x, function.y];
+            for (out, term) in out.edges[edge].iter_mut().zip(terms) {
+                let term = if edge_is_sound { term as f32 } else { 0.0 };
+                out[l] = if is_asked { term } else { out[l] };
             }
-            greatest_error = greatest_error.max(error);
-            out.edges[edge][0][l] = constant as f32;
-            out.edges[edge][1][l] = x as f32;
-            out.edges[edge][2][l] = y as f32;
+            let scales = &mut out.edge_scales[edge];
+            scales[l] = if is_asked { magnitude } else { scales[l] };
         }
-        out.edge_error[l] = greatest_error as f32;
+        let edge_error = &mut out.edge_error[l];
+        *edge_error = if is_asked {
+            greatest_error as f32
+        } else {
+            *edge_error
+        };
 
         let inverse = 1.0 / (facing * self.rays.distance * self.units);
-        let key = Linear {
-            constant: key.constant * inverse,
-            x: key.x * inverse,
-            y: key.y * inverse,
-        };
-        let key = key.moved(&span);
+        let (numerator, numerator_error) = functions.numerator;
+        let key = numerator.times(inverse).moved(&span);
         let greatest = key.size(&span);
         let key = key.less(self.reference.moved(&span));
         let spread = key.size(&span);
@@ -264,38 +299,33 @@ impl PacketSpace {
             + self.reference_error
             + 2.0 * greatest * (facing_error / facing.abs())
             + 2.0 * numerator_error * inverse.abs();
-        out.depth_key[0][l] = key.constant as f32;
-        out.depth_key[1][l] = key.x as f32;
-        out.depth_key[2][l] = key.y as f32;
-        out.depth_key_error[l] = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
+        for (out, term) in out.depth_key.iter_mut().zip([key.constant, key.x, key.y]) {
+            out[l] = if is_asked { term as f32 } else { out[l] };
+        }
+        let error = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
+        let depth_key_error = &mut out.depth_key_error[l];
+        *depth_key_error = if is_asked { error } else { *depth_key_error };
         let is_in_range = (key_error < f64::from(f32::MAX)) & (spread < f64::from(f32::MAX));
-        out.ill_conditioned[l] = !(clear & is_sound & is_in_range);
-        out.overflows |= clear & is_sound & !is_in_range;
+        let ill_conditioned = !(clear & is_sound & is_in_range);
+        out.ill_conditioned[l] = if is_asked {
+            ill_conditioned
+        } else {
+            out.ill_conditioned[l]
+        };
+        culled &= clear & is_asked;
+        out.boxes[l].right = if culled { -1 } else { out.boxes[l].right };
+        out.overflows |= is_asked & !culled & clear & is_sound & !is_in_range;
     }
 
     /// A triangle's edge functions over the whole packet, positive inside, each with the bound on its error. `None`
     /// where it is not sure which side of the triangle the packet sees.
     pub(super) fn edges_componentwise(&self, corners: [Vec3; 3]) -> Option<[(Linear, f64); 3]> {
-        let factors = Factors::new(corners.map(Vec3::as_dvec3), self.origin)?;
-        let Factors {
-            relative,
-            normal,
-            edges,
-        } = &factors;
-        let (_, facing, _) = self.depth_function(corners, *relative, normal, edges);
-        is_clear(facing).then(|| {
-            let [a, b, c] = corners;
-            let [[e, from_e], [f, from_f], [g, from_g]] = [[b, c], [c, a], [a, b]];
-            let edge = |ends, factors| {
-                let (function, error) = self.edge(ends, factors);
-                (function.times(facing.0.signum()), error)
-            };
-            [
-                edge([e, from_e], edges[0]),
-                edge([f, from_f], edges[1]),
-                edge([g, from_g], edges[2]),
-            ]
-        })
+        let Functions { facing, edges, .. } =
+            self.functions_closely(corners.map(Vec3::as_dvec3))?;
+        let [e, f, g] = edges;
+        let positive =
+            |(function, error): (Linear, f64)| (function.times(facing.0.signum()), error);
+        is_clear(facing).then(|| [positive(e), positive(f), positive(g)])
     }
 
     /// Upper bounds of the components of i·a + j·b.
@@ -305,21 +335,108 @@ impl PacketSpace {
         (a.abs() + b.abs()) * REACH
     }
 
-    /// The edge function between two corners, given with their [`Factors`], and a bound on its error.
+    /// A triangle's functions, from products in double precision.
     #[inline(always)]
-    fn edge(&self, corners: [Vec3; 2], (from, to, u): (DVec3, DVec3, DVec3)) -> (Linear, f64) {
-        let (function, error) = self.edge_function(&Bounded::cross(from, to, u), u);
-        // NaN is computed again.
-        let is_accurate = error <= RECOMPUTE_ABOVE * function.reach();
-        if is_accurate || !self.perspective || self.origin_error != 0.0 {
-            return (function, error);
-        }
-        let value = cross_from(self.origin, corners);
-        let closer = Bounded {
-            value,
-            error: value.abs() * (12.0 * EPSILON),
+    fn functions(&self, factors: &Factors) -> Functions {
+        let [e, f, g] = factors.edges;
+        let [(e, is_e_rounded), (f, is_f_rounded), (g, is_g_rounded)] =
+            [self.edge(e), self.edge(f), self.edge(g)];
+        let (d, [a, b]) = (self.rays.direction, self.rays.steps);
+        let Factors {
+            relative: [p, q, r],
+            normal,
+            ..
+        } = factors;
+        let n = normal.value;
+        let mut product = normal.dot(*p, self.origin_error);
+        product = better(product, normal.dot(*q, self.origin_error));
+        product = better(product, normal.dot(*r, self.origin_error));
+        let (constant, error, facing) = if self.perspective {
+            (d.dot(n), self.error_along_rays(normal), product)
+        } else {
+            let error = product.1 + normal.error_by(self.reach());
+            (-product.0, error, (d.dot(n), normal.error_by(d.abs())))
         };
-        self.edge_function(&closer, u)
+        let numerator = Linear {
+            constant,
+            x: a.dot(n),
+            y: b.dot(n),
+        };
+        Functions {
+            numerator: (numerator, error),
+            facing,
+            edges: [e, f, g],
+            are_rounded: [is_e_rounded, is_f_rounded, is_g_rounded],
+        }
+    }
+
+    /// An edge function with the bound on its error, and whether it [is rounded](PacketSpace::is_rounded).
+    #[inline(always)]
+    fn edge(&self, (from, to, u): (DVec3, DVec3, DVec3)) -> ((Linear, f64), bool) {
+        let product = Bounded::cross(from, to, u);
+        let function = self.edge_function(&product, u);
+        (function, self.is_rounded(&product, function.0.reach()))
+    }
+
+    /// Whether the error of a cross product, by which a perspective packet's edge function is off, exceeds both a share of the
+    /// function's greatest magnitude and what rays' own roundings move it by. NaN does.
+    #[inline(always)]
+    fn is_rounded(&self, product: &Bounded, reach: f64) -> bool {
+        let error = product.error_by(self.rays.direction.abs() + self.reach());
+        let by_rays = product.error_of_weights(20.0 * EPSILON * self.rays.greatest);
+        !((error <= RECOMPUTE_ABOVE * reach) | (error <= by_rays))
+    }
+
+    /// Whether closer factors would make the functions more accurate where it matters.
+    #[inline(always)]
+    fn are_rounded(&self, functions: &Functions) -> bool {
+        let [e, f, g] = functions.are_rounded;
+        let edges = (e | f | g) & (self.origin_error == 0.0);
+        self.perspective & (edges | !is_clear(functions.facing))
+    }
+
+    /// A triangle's functions, from closer factors where double precision does not suffice. `None` where a number is out of
+    /// [`NUMBER_RANGE`].
+    #[inline(always)]
+    fn functions_closely(&self, corners: [DVec3; 3]) -> Option<Functions> {
+        let factors = Factors::new(corners, self.origin);
+        if !factors.in_range {
+            return None;
+        }
+        let mut functions = self.functions(&factors);
+        if !self.are_rounded(&functions) {
+            return Some(functions);
+        }
+        let corners = corners.map(DVec3::as_vec3);
+        let product = &mut functions.facing;
+        if !is_clear(*product) {
+            // A corner and the edge opposite to it have the same product.
+            for (corner, (from, to, u)) in factors.relative.into_iter().zip(factors.edges) {
+                let across = Bounded::cross(from, to, u).moved(u, self.origin_error);
+                *product = better(*product, across.dot(corner, self.origin_error));
+            }
+        }
+        if self.origin_error != 0.0 {
+            return Some(functions);
+        }
+        if !is_clear(*product) {
+            // Planes that pass the eye more closely than roundings, with no corner next to it.
+            let origin = DVec3::ZERO;
+            let triangle = OffsetTriangle { corners, origin };
+            let Determinant { value, error } = distance_of_eye(self.origin, &triangle);
+            *product = (value, error);
+        }
+        let [a, b, c] = corners;
+        let ends = [[b, c], [c, a], [a, b]];
+        for (edge, ends) in ends.into_iter().enumerate() {
+            if functions.are_rounded[edge] {
+                let value = cross_from(self.origin, ends);
+                let error = value.abs() * (12.0 * EPSILON);
+                let (_, _, u) = factors.edges[edge];
+                functions.edges[edge] = self.edge_function(&Bounded { value, error }, u);
+            }
+        }
+        Some(functions)
     }
 
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two
@@ -354,53 +471,5 @@ impl PacketSpace {
     fn error_along_rays(&self, vector: &Bounded) -> f64 {
         vector.error_by(self.rays.direction.abs() + self.reach())
             + vector.error_of_weights(20.0 * EPSILON * self.rays.greatest)
-    }
-
-    /// The numerator of the depth key as a function of the place; the denominator without D, which is negative where
-    /// the front faces the eye, with its error; and the numerator's error.
-    #[inline(always)]
-    fn depth_function(
-        &self,
-        corners: [Vec3; 3],
-        [p, q, r]: [DVec3; 3],
-        normal: &Bounded,
-        edges: &[(DVec3, DVec3, DVec3); 3],
-    ) -> (Linear, (f64, f64), f64) {
-        let (d, [a, b]) = (self.rays.direction, self.rays.steps);
-        let origin_error = self.origin_error;
-        let n = normal.value;
-        let mut product = normal.dot(p, origin_error);
-        product = better(product, normal.dot(q, origin_error));
-        product = better(product, normal.dot(r, origin_error));
-        if self.perspective {
-            if !is_clear(product) {
-                // A corner and the edge opposite to it have the same product.
-                for (corner, (from, to, u)) in [p, q, r].into_iter().zip(*edges) {
-                    let across = Bounded::cross(from, to, u).moved(u, origin_error);
-                    product = better(product, across.dot(corner, origin_error));
-                }
-            }
-            if !is_clear(product) && origin_error == 0.0 {
-                // Planes that pass the eye more closely than roundings, with no corner next to it.
-                let origin = DVec3::ZERO;
-                let triangle = OffsetTriangle { corners, origin };
-                let Determinant { value, error } = distance_of_eye(self.origin, &triangle);
-                product = (value, error);
-            }
-            let key = Linear {
-                constant: d.dot(n),
-                x: a.dot(n),
-                y: b.dot(n),
-            };
-            (key, product, self.error_along_rays(normal))
-        } else {
-            let key = Linear {
-                constant: -product.0,
-                x: a.dot(n),
-                y: b.dot(n),
-            };
-            let error = product.1 + normal.error_by(self.reach());
-            (key, (d.dot(n), normal.error_by(d.abs())), error)
-        }
     }
 }
