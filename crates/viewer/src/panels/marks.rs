@@ -113,7 +113,7 @@ pub(super) fn show(painter: &Painter, state: &State, place: impl Fn((f64, f64)) 
     faults(&pen, state);
     let accent = theme::of(&egui::Visuals::dark()).accent;
     let lengths = state.lengths();
-    for measurement in &state.measuring.list {
+    for measurement in &*state.measuring.list {
         measured(&pen, measurement, &lengths, accent);
     }
     under_way(&pen, state);

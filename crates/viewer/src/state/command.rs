@@ -459,6 +459,9 @@ impl Command {
             Self::AddPlane(_) => ("Cut", false),
             Self::SetPlane(..) => ("Change of clipping plane", true),
             Self::RemovePlane(_) => ("Remove clipping plane", false),
+            Self::EndPath => ("Measure", false),
+            Self::RemoveMeasurement(_) => ("Remove measurement", false),
+            Self::ClearMeasurements => ("Clear measurements", false),
             _ => return None,
         };
         Some((name, goes_on))

@@ -4,6 +4,7 @@
 //! Trees are not kept; those of meshes that are still present are reused.
 
 use super::Resolution;
+use super::measure::Measurement;
 use raycast_core::render::Settings;
 use raycast_core::scene::{Mesh, Object, Scene, Texture};
 use std::collections::HashSet;
@@ -33,11 +34,18 @@ pub struct Snapshot {
     pub resolution: Resolution,
     /// How far the frame is off the view axis.
     pub shift: [f64; 2],
+    /// The measurements, which are not part of the document.
+    pub measurements: Arc<Vec<Measurement>>,
 }
 
 impl Snapshot {
     /// Whether both are equal; scenes are compared by address.
     pub fn is(&self, other: &Self) -> bool {
+        self.is_document(other) && self.measurements == other.measurements
+    }
+
+    /// Whether both have the same document: what a scene file holds.
+    fn is_document(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.locked == other.locked
             && self.settings == other.settings
@@ -71,7 +79,7 @@ struct Step {
 pub struct History {
     undo: Vec<Step>,
     redo: Vec<Step>,
-    /// The document's revision. Each change gets a new one, one above `newest`; undo restores an old one.
+    /// The document's revision. Each of its changes gets a new one, one above `newest`; undo restores an old one.
     revision: u64,
     newest: u64,
     saved: u64,
@@ -97,8 +105,10 @@ impl History {
         self.last = kind.map(|kind| (kind, now));
         self.redo.clear();
         let left = self.revision;
-        self.newest += 1;
-        self.revision = self.newest;
+        if !before.is_document(after) {
+            self.newest += 1;
+            self.revision = self.newest;
+        }
         if goes_on && !self.undo.is_empty() {
             return;
         }
@@ -259,6 +269,7 @@ mod tests {
             samples: None,
             resolution: Resolution::Window { density: 1.0 },
             shift: [0.0; 2],
+            measurements: Arc::default(),
         }
     }
 

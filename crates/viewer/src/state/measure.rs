@@ -5,6 +5,7 @@ use super::lengths::Lengths;
 use super::pick::Pick;
 use raycast_core::glam::DVec3;
 use raycast_core::math;
+use std::sync::Arc;
 
 /// The distance from the cursor within which a point snaps to a vertex, in pixels of the window.
 const SNAP: f64 = 12.0;
@@ -141,7 +142,7 @@ pub struct Measuring {
     /// Whether points snap to vertices.
     pub snaps: bool,
     /// The finished measurements, oldest first.
-    pub list: Vec<Measurement>,
+    pub list: Arc<Vec<Measurement>>,
 }
 
 impl Default for Measuring {
@@ -150,7 +151,7 @@ impl Default for Measuring {
             tool: None,
             points: Vec::new(),
             snaps: true,
-            list: Vec::new(),
+            list: Arc::default(),
         }
     }
 }
@@ -165,7 +166,7 @@ impl Measuring {
     /// coordinates.
     pub fn csv(&self, lengths: &Lengths) -> String {
         let mut text = "number,kind,value,unit,points\n".to_owned();
-        for (number, measurement) in (1..).zip(&self.list) {
+        for (number, measurement) in (1..).zip(&*self.list) {
             let value = measurement.told(lengths);
             let value = value.map_or_else(String::new, |value| value.to_string());
             let unit = match measurement.kind {
@@ -183,6 +184,13 @@ impl Measuring {
         text
     }
 
+    /// Forgets a measurement.
+    pub(super) fn remove(&mut self, number: usize) {
+        if number < self.list.len() {
+            Arc::make_mut(&mut self.list).remove(number);
+        }
+    }
+
     /// Finishes a path of at least two points.
     pub(super) fn end_path(&mut self) {
         if self.tool == Some(Kind::Path) && self.points.len() > 1 {
@@ -192,7 +200,7 @@ impl Measuring {
 
     fn finish(&mut self, kind: Kind) {
         let points = std::mem::take(&mut self.points);
-        self.list.push(Measurement { kind, points });
+        Arc::make_mut(&mut self.list).push(Measurement { kind, points });
     }
 
     /// Adds a point; the last one finishes the measurement, and the next begins.

@@ -304,6 +304,7 @@ impl State {
             samples: self.samples,
             resolution: self.resolution,
             shift: self.shift,
+            measurements: Arc::clone(&self.measuring.list),
         })
     }
 

@@ -222,6 +222,7 @@ pub(super) fn restore(state: &mut State, to: Snapshot) -> Option<Effect> {
     state.resolution = to.resolution;
     state.shift = to.shift;
     state.locked = to.locked;
+    state.measuring.list = to.measurements;
     let before = Arc::clone(&state.document.as_ref()?.scene);
     let number = |old| renumbering::number_after(&before.objects, &to.scene.objects, old);
     state.selected = state.selected.and_then(number);

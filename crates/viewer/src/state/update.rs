@@ -23,7 +23,9 @@ pub use super::names::suggested_name;
 pub fn update(state: &mut State, command: Command) -> Option<Effect> {
     let uses_mouse = command.moves_camera() || matches!(command, Command::Pin { .. });
     state.preferences.knows_mouse |= uses_mouse && state.document.is_some();
-    let edit = command.edit();
+    let places_point = matches!(command, Command::Pin { .. } | Command::SetPivot { .. });
+    let measures = places_point && state.measuring.tool.is_some();
+    let edit = command.edit().or(measures.then_some(("Measure", false)));
     let is_step = edit.is_some() || matches!(command, Command::Undo | Command::Redo);
     // A drag in progress becomes a step of its own.
     let released = match is_step && state.manipulating.drag.is_some() {
@@ -268,12 +270,8 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             state.measuring.points.pop();
         }
         Command::EndPath => state.measuring.end_path(),
-        Command::RemoveMeasurement(number) => {
-            if number < state.measuring.list.len() {
-                state.measuring.list.remove(number);
-            }
-        }
-        Command::ClearMeasurements => state.measuring.list.clear(),
+        Command::RemoveMeasurement(number) => state.measuring.remove(number),
+        Command::ClearMeasurements => state.measuring.list = Default::default(),
         Command::Check { deep } => return inspect::check(state, deep),
         Command::ShowFault(shown) => inspect::show(state, shown),
 

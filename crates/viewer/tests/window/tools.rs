@@ -22,7 +22,7 @@ use std::time::Duration;
 fn lengths_are_told_in_the_unit_of_the_file_or_the_chosen_one() {
     let mut harness = open_two();
     let state = &mut harness.state_mut().state;
-    state.measuring.list.push(Measurement {
+    Arc::make_mut(&mut state.measuring.list).push(Measurement {
         kind: Kind::Distance,
         points: vec![DVec3::ZERO, DVec3::X * 2.5],
     });

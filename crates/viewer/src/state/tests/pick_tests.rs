@@ -167,6 +167,25 @@ fn clicks_measure_between_vertices_while_a_tool_is_on() {
         panic!("{:?}", state.measuring);
     };
     assert_eq!(measured.points, [DVec3::X, DVec3::Y], "vertices, not hits");
+    // A measurement is a step of the history, and no change of the scene.
+    let all = Arc::clone(&state.measuring.list);
+    assert_eq!(state.history.undo_name(), Some("Measure"));
+    update(&mut state, Command::Undo);
+    assert!(state.measuring.list.is_empty());
+    update(&mut state, Command::Redo);
+    assert_eq!(state.measuring.list, all);
+    update(&mut state, Command::ClearMeasurements);
+    update(&mut state, Command::ClearMeasurements);
+    assert!(state.measuring.list.is_empty());
+    update(&mut state, Command::Undo);
+    assert_eq!(state.measuring.list, all);
+    assert!(!state.history.is_changed());
+    update(&mut state, Command::SetMode(Mode::Depth));
+    update(&mut state, Command::RemoveMeasurement(0));
+    update(&mut state, Command::Undo);
+    assert!(state.history.is_changed() && state.measuring.list == all);
+    update(&mut state, Command::Undo);
+    assert!(!state.history.is_changed() && state.measuring.list == all);
     assert_eq!(state.picks.current(), None);
     update(&mut state, Command::SetSnaps(false));
     let beside = near(&state, DVec3::X);
@@ -210,10 +229,10 @@ fn measurements_are_saved_where_the_person_says() {
         None,
         "nothing to save"
     );
-    state.measuring.list.push(Measurement {
+    state.measuring.list = Arc::new(vec![Measurement {
         kind: Kind::Distance,
         points: vec![DVec3::ZERO, DVec3::X],
-    });
+    }]);
     assert_eq!(
         update(&mut state, Command::Ask(kind)),
         Some(Effect::Dialog(kind))
