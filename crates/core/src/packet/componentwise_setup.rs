@@ -58,9 +58,6 @@ const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 /// rays undecided; with a greater one all rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
-/// As many triangles as a register has doubles.
-const HALF: usize = LANES / 2;
-
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
 #[derive(Clone, Copy)]
 struct Bounded {
@@ -191,8 +188,9 @@ struct Functions {
     facing: (f64, f64),
     /// Edge functions, not yet positive inside, and the bounds on their errors.
     edges: [(Linear, f64); 3],
-    /// Whether an edge function of a perspective packet would be more accurate with a closer cross product.
-    are_rounded: [bool; 3],
+    /// Whether any edge function of a perspective packet would be more accurate with a closer cross product; or whether closer
+    /// factors were used.
+    are_rounded: bool,
 }
 
 /// Triangles that are set up again with componentwise bounds.
@@ -202,6 +200,8 @@ pub(super) struct ComponentwiseSetup<'a> {
     /// Lanes of the eight triangles, as bits.
     pub(super) which: u32,
     pub(super) out: &'a mut TriangleSetup,
+    /// Whether they are set up one by one: written for those to come. No answer depends on it.
+    pub(super) one_by_one: &'a mut bool,
 }
 
 impl Work for ComponentwiseSetup<'_> {
@@ -212,30 +212,41 @@ impl Work for ComponentwiseSetup<'_> {
             corners,
             which,
             out,
+            one_by_one,
         } = self;
-        let mut rounded = 0;
-        for first in [0, HALF] {
-            if which >> first & ((1 << HALF) - 1) == 0 {
-                continue;
-            }
-            for l in first..first + HALF {
+        let mut alone = which;
+        if !*one_by_one {
+            alone = 0;
+            for l in 0..LANES {
                 let factors = Factors::new(corners_in_lane(corners, l), space.origin);
                 let functions = space.functions(&factors);
                 let is_asked = (which >> l & 1 != 0) & factors.in_range;
-                rounded |= u32::from(is_asked & space.are_rounded(&functions)) << l;
+                alone |= u32::from(is_asked & space.are_rounded(&functions)) << l;
                 space.store(&functions, (l, is_asked), out);
             }
         }
-        while rounded != 0 {
-            let l = rounded.trailing_zeros() as usize % LANES;
-            rounded &= rounded - 1;
-            if out.boxes[l].right >= 0
-                && let Some(functions) = space.functions_closely(corners_in_lane(corners, l))
-            {
-                space.store(&functions, (l, true), out);
+        // Those that gain nothing from the others.
+        let mut gain_nothing = 0;
+        for l in 0..LANES {
+            if which >> l & 1 == 0 {
+                continue;
             }
+            let mut is_rounded = alone >> l & 1 != 0;
+            if is_rounded && out.boxes[l].right >= 0 {
+                is_rounded = space.set_up_closely(corners_in_lane(corners, l), l, out);
+            }
+            gain_nothing += u32::from(is_rounded || out.boxes[l].right < 0);
         }
+        *one_by_one = 2 * gain_nothing > which.count_ones();
     }
+}
+
+/// Whether an edge function relative to a span's first ray is surely negative everywhere in the span.
+#[inline(always)]
+fn is_negative(function: Linear, error: f64, span: &FunctionDomain) -> bool {
+    let across = greater(function.x * span.across, 0.0);
+    let along = greater(function.y * span.along, 0.0);
+    function.constant + across + along < -error
 }
 
 #[inline(always)]
@@ -265,9 +276,7 @@ impl PacketSpace {
             let unit = sign / magnitude;
             let function = function.times(unit);
             let error = error / magnitude;
-            let across = greater(function.x * span.across, 0.0);
-            let along = greater(function.y * span.along, 0.0);
-            culled |= function.constant + across + along < -error;
+            culled |= is_negative(function, error, &span);
             let error = (error + LINEAR_ERROR) * 1.001;
             // If it is not, the other two may still have different signs.
             let edge_is_sound = (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
@@ -317,11 +326,32 @@ impl PacketSpace {
         out.overflows |= is_asked & !culled & clear & is_sound & !is_in_range;
     }
 
+    /// Sets up lane `l` again, from closer factors where double precision does not suffice, and ends as soon as it is known
+    /// that no ray hits the triangle. Whether closer factors were needed.
+    #[inline(always)]
+    fn set_up_closely(&self, corners: [DVec3; 3], l: usize, out: &mut TriangleSetup) -> bool {
+        let span = FunctionDomain::of(&out.boxes[l]);
+        let mut is_missed = false;
+        let functions = self.functions_closely(corners, |facing, (edge, error)| {
+            let sign = if facing < 0.0 { -1.0 } else { 1.0 };
+            is_missed = is_negative(edge.moved(&span).times(sign), *error, &span);
+            is_missed
+        });
+        if is_missed {
+            out.boxes[l].right = -1;
+        }
+        let Some(functions) = functions else {
+            return false;
+        };
+        self.store(&functions, (l, true), out);
+        functions.are_rounded
+    }
+
     /// A triangle's edge functions over the whole packet, positive inside, each with the bound on its error. `None`
     /// where it is not sure which side of the triangle the packet sees.
     pub(super) fn edges_componentwise(&self, corners: [Vec3; 3]) -> Option<[(Linear, f64); 3]> {
         let Functions { facing, edges, .. } =
-            self.functions_closely(corners.map(Vec3::as_dvec3))?;
+            self.functions_closely(corners.map(Vec3::as_dvec3), |_, _| false)?;
         let [e, f, g] = edges;
         let positive =
             |(function, error): (Linear, f64)| (function.times(facing.0.signum()), error);
@@ -341,6 +371,18 @@ impl PacketSpace {
         let [e, f, g] = factors.edges;
         let [(e, is_e_rounded), (f, is_f_rounded), (g, is_g_rounded)] =
             [self.edge(e), self.edge(f), self.edge(g)];
+        let (numerator, facing) = self.depth_function(factors);
+        Functions {
+            numerator,
+            facing,
+            edges: [e, f, g],
+            are_rounded: is_e_rounded | is_f_rounded | is_g_rounded,
+        }
+    }
+
+    /// The numerator of the depth key and its denominator without D, each with the bound on its error.
+    #[inline(always)]
+    fn depth_function(&self, factors: &Factors) -> ((Linear, f64), (f64, f64)) {
         let (d, [a, b]) = (self.rays.direction, self.rays.steps);
         let Factors {
             relative: [p, q, r],
@@ -362,12 +404,7 @@ impl PacketSpace {
             x: a.dot(n),
             y: b.dot(n),
         };
-        Functions {
-            numerator: (numerator, error),
-            facing,
-            edges: [e, f, g],
-            are_rounded: [is_e_rounded, is_f_rounded, is_g_rounded],
-        }
+        ((numerator, error), facing)
     }
 
     /// An edge function with the bound on its error, and whether it [is rounded](PacketSpace::is_rounded).
@@ -390,53 +427,75 @@ impl PacketSpace {
     /// Whether closer factors would make the functions more accurate where it matters.
     #[inline(always)]
     fn are_rounded(&self, functions: &Functions) -> bool {
-        let [e, f, g] = functions.are_rounded;
-        let edges = (e | f | g) & (self.origin_error == 0.0);
+        let edges = functions.are_rounded & (self.origin_error == 0.0);
         self.perspective & (edges | !is_clear(functions.facing))
     }
 
     /// A triangle's functions, from closer factors where double precision does not suffice. `None` where a number is out of
-    /// [`NUMBER_RANGE`].
+    /// [`NUMBER_RANGE`], or `misses` says of the denominator and an edge function that nothing more is needed; it is asked
+    /// where the denominator is clear.
     #[inline(always)]
-    fn functions_closely(&self, corners: [DVec3; 3]) -> Option<Functions> {
+    fn functions_closely(
+        &self,
+        corners: [DVec3; 3],
+        mut misses: impl FnMut(f64, &(Linear, f64)) -> bool,
+    ) -> Option<Functions> {
         let factors = Factors::new(corners, self.origin);
         if !factors.in_range {
             return None;
         }
-        let mut functions = self.functions(&factors);
-        if !self.are_rounded(&functions) {
-            return Some(functions);
-        }
         let corners = corners.map(DVec3::as_vec3);
-        let product = &mut functions.facing;
-        if !is_clear(*product) {
-            // A corner and the edge opposite to it have the same product.
-            for (corner, (from, to, u)) in factors.relative.into_iter().zip(factors.edges) {
-                let across = Bounded::cross(from, to, u).moved(u, self.origin_error);
-                *product = better(*product, across.dot(corner, self.origin_error));
-            }
+        let (numerator, mut facing) = self.depth_function(&factors);
+        let is_facing_rounded = self.perspective && !is_clear(facing);
+        if is_facing_rounded {
+            facing = self.facing_closely(facing, &factors, corners);
         }
-        if self.origin_error != 0.0 {
-            return Some(functions);
-        }
-        if !is_clear(*product) {
-            // Planes that pass the eye more closely than roundings, with no corner next to it.
-            let origin = DVec3::ZERO;
-            let triangle = OffsetTriangle { corners, origin };
-            let Determinant { value, error } = distance_of_eye(self.origin, &triangle);
-            *product = (value, error);
-        }
+        let mut functions = Functions {
+            numerator,
+            facing,
+            edges: [(Linear::ZERO, 0.0); 3],
+            are_rounded: is_facing_rounded,
+        };
         let [a, b, c] = corners;
         let ends = [[b, c], [c, a], [a, b]];
-        for (edge, ends) in ends.into_iter().enumerate() {
-            if functions.are_rounded[edge] {
-                let value = cross_from(self.origin, ends);
+        let may_be_closer = self.perspective && self.origin_error == 0.0;
+        for (edge, (from, to, u)) in factors.edges.into_iter().enumerate() {
+            let product = Bounded::cross(from, to, u);
+            let mut function = self.edge_function(&product, u);
+            if may_be_closer && self.is_rounded(&product, function.0.reach()) {
+                functions.are_rounded = true;
+                let value = cross_from(self.origin, ends[edge]);
                 let error = value.abs() * (12.0 * EPSILON);
-                let (_, _, u) = factors.edges[edge];
-                functions.edges[edge] = self.edge_function(&Bounded { value, error }, u);
+                function = self.edge_function(&Bounded { value, error }, u);
             }
+            if is_clear(facing) && misses(facing.0, &function) {
+                return None;
+            }
+            functions.edges[edge] = function;
         }
         Some(functions)
+    }
+
+    /// The product of a corner and the normal, where that of [`Self::depth_function`] is not clear.
+    fn facing_closely(
+        &self,
+        mut product: (f64, f64),
+        factors: &Factors,
+        corners: [Vec3; 3],
+    ) -> (f64, f64) {
+        // A corner and the edge opposite to it have the same product.
+        for (corner, (from, to, u)) in factors.relative.into_iter().zip(factors.edges) {
+            let across = Bounded::cross(from, to, u).moved(u, self.origin_error);
+            product = better(product, across.dot(corner, self.origin_error));
+        }
+        if is_clear(product) || self.origin_error != 0.0 {
+            return product;
+        }
+        // Planes that pass the eye more closely than roundings, with no corner next to it.
+        let origin = DVec3::ZERO;
+        let Determinant { value, error } =
+            distance_of_eye(self.origin, &OffsetTriangle { corners, origin });
+        (value, error)
     }
 
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two

@@ -73,6 +73,8 @@ pub(crate) struct IntervalZBuffer {
     sure_hits: SureHits,
     /// Whether depth keys overflowed that a shorter unit of depth would hold.
     overflowed: bool,
+    /// Whether rough triangles are set up again one by one.
+    one_by_one: bool,
     /// Bounds of the depth keys where orthographic rays start: no hit is nearer. Infinite for perspective packets.
     start_keys: [f32; 2],
 }
@@ -91,6 +93,7 @@ impl IntervalZBuffer {
             rivals: Rivals::default(),
             sure_hits: SureHits::default(),
             overflowed: false,
+            one_by_one: false,
             start_keys: [f32::INFINITY; 2],
         }
     }

@@ -66,6 +66,12 @@ pub(super) struct Linear {
 }
 
 impl Linear {
+    pub(super) const ZERO: Self = Self {
+        constant: 0.0,
+        x: 0.0,
+        y: 0.0,
+    };
+
     /// The same function relative to a span's first ray.
     #[inline(always)]
     pub(super) fn moved(self, span: &FunctionDomain) -> Self {

@@ -89,11 +89,7 @@ pub(super) struct PlaneOrder {
 
 impl PlaneOrder {
     pub(super) const UNKNOWN: Self = Self {
-        function: Linear {
-            constant: 0.0,
-            x: 0.0,
-            y: 0.0,
-        },
+        function: Linear::ZERO,
         error: f64::INFINITY,
         in_one_plane: false,
     };
@@ -103,7 +99,7 @@ impl PlaneOrder {
         Self {
             function: Linear {
                 constant: sign,
-                ..Self::UNKNOWN.function
+                ..Linear::ZERO
             },
             error: 0.0,
             in_one_plane: false,
@@ -196,7 +192,7 @@ impl PlaneOrder {
         let Some(edges) = edges() else {
             return Self::UNKNOWN;
         };
-        let mut function = Self::UNKNOWN.function;
+        let mut function = Linear::ZERO;
         let mut error = 0.0;
         for ((distance, distance_error), (edge, edge_error)) in distances.into_iter().zip(edges) {
             function.constant += distance * edge.constant;

@@ -60,11 +60,13 @@ fn check_diagonal(
     let lanes = lanes_of([corners; LANES]);
     let mut set_up = space.set_up(&lanes, &[ALL; LANES]);
     if by_component {
+        let mut one_by_one = corners[0].x < 0.0;
         let work = ComponentwiseSetup {
             space,
             corners: &lanes,
             which: 1,
             out: &mut set_up,
+            one_by_one: &mut one_by_one,
         };
         work.run(Plain);
     }
@@ -256,11 +258,13 @@ fn rays_beside_their_places_are_within_the_bounds() {
         let mut set_up = space.set_up(&lanes, &[ALL; LANES]);
         for by_component in [false, true] {
             if by_component {
+                let mut one_by_one = corners[0].x < 0.0;
                 let work = ComponentwiseSetup {
                     space: &space,
                     corners: &lanes,
                     which: 1,
                     out: &mut set_up,
+                    one_by_one: &mut one_by_one,
                 };
                 work.run(Plain);
             }

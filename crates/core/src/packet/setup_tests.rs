@@ -262,11 +262,13 @@ fn check_all(
         let mut set_up = space.set_up(&corners, &boxes);
         if !matches!(kind, Kind::Plain | Kind::AtRay) {
             set_up.boxes = boxes;
+            let mut one_by_one = random.unit() < 0.5;
             let work = ComponentwiseSetup {
                 space: &space,
                 corners: &corners,
                 which: (1 << LANES) - 1,
                 out: &mut set_up,
+                one_by_one: &mut one_by_one,
             };
             work.run(Plain);
         }
@@ -311,11 +313,13 @@ pub(super) fn check_one(
     for componentwise in [false, true] {
         if componentwise {
             set_up.boxes = [ALL; LANES];
+            let mut one_by_one = random.unit() < 0.5;
             let work = ComponentwiseSetup {
                 space: &space,
                 corners: &all,
                 which: 1,
                 out: &mut set_up,
+                one_by_one: &mut one_by_one,
             };
             work.run(Plain);
         }
@@ -548,11 +552,13 @@ fn relative_depth_keys_order_only_what_is_sure() {
                 let corners = lanes_of(triangles);
                 let mut set_up = space.set_up(&corners, &[ALL; LANES]);
                 if round % 2 == 0 {
+                    let mut one_by_one = random.unit() < 0.5;
                     let work = ComponentwiseSetup {
                         space: &space,
                         corners: &corners,
                         which: (1 << LANES) - 1,
                         out: &mut set_up,
+                        one_by_one: &mut one_by_one,
                     };
                     work.run(Plain);
                 }

@@ -55,6 +55,7 @@ impl IntervalZBuffer {
                 corners,
                 which,
                 out: set_up,
+                one_by_one: &mut self.one_by_one,
             };
             dispatch(decisions.simd(), work);
             self.overflowed |= set_up.overflows;
