@@ -1,4 +1,4 @@
-//! Set-up of one triangle with componentwise error bounds, for the few that [`setup`](super::setup) leaves undecided
+//! Set-up of triangles with componentwise error bounds, for the few that [`setup`](super::setup) leaves undecided
 //! because its bounds are proportional to the greatest coordinate: triangles with a corner close to the eye, with
 //! coordinates of very different magnitudes, or whose distance is many times their size.
 //!
@@ -53,8 +53,8 @@ use glam::{DVec3, Vec3, Vec3Swizzles};
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
 const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed again:
-/// the edge's line passes the eye as closely as roundings. With a lesser limit products are computed again that leave few
+/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed again,
+/// unless rays' own roundings move the function by as much: the edge's line passes the eye as closely as roundings. With a lesser limit products are computed again that leave few
 /// rays undecided; with a greater one all rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 

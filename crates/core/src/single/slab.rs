@@ -5,6 +5,7 @@
 
 use crate::bvh::tree::{Box32, BoxPair};
 use crate::num::double_double::DoubleDouble;
+use crate::num::roundoff::EPSILON;
 use crate::triangle::PreparedRay;
 
 /// The component of a direction, relative to the longest, below which it counts as parallel to a box's faces. With a
@@ -30,8 +31,8 @@ pub(super) struct SlabRay {
     inverse: [f32; 3],
     /// The start of the ray's range, rounded down.
     begin: f32,
-    /// The ray's parameter at the start; `None` at the origin.
-    skipped: Option<DoubleDouble>,
+    /// The ray's parameter at the start.
+    skipped: DoubleDouble,
     /// Advance along the major axis per unit of the ray's parameter.
     advance: f64,
 }
@@ -68,7 +69,7 @@ impl SlabRay {
             high,
             inverse,
             begin: 0.0,
-            skipped: ray.skipped,
+            skipped: ray.skipped.unwrap_or(DoubleDouble::from(0.0)),
             advance: ray.advance.abs(),
         };
         let begin = round_down(slab.distance(ray.ray.t_min, 0.0));
@@ -76,15 +77,14 @@ impl SlabRay {
         slab
     }
 
-    /// The distance from the start of the point at `t` + `t_error`, within 4ε of itself, which the slack of far ends covers.
+    /// The distance from the start of the point at `t`, or no less than that at `t` + `t_error`, within 4ε of itself, which
+    /// the slack of far ends covers.
+    ///
+    /// Both differences are off by ε of themselves: where they cancel, the first is exact (Sterbenz). The sum moves by 2ε of
+    /// the difference and by its own rounding: relative to the sum by 3ε, and by 4ε of `t_error`, of which 8ε are added.
     fn distance(&self, t: f64, t_error: f64) -> f64 {
-        let way = match self.skipped {
-            Some(skipped) if t.is_finite() => {
-                (DoubleDouble::from(t) - skipped + t_error.into()).high
-            }
-            _ => t + t_error,
-        };
-        way * self.advance
+        let way = (t - self.skipped.high) - self.skipped.low;
+        (way + t_error * (1.0 + 8.0 * EPSILON)) * self.advance
     }
 
     /// An upper bound of the distance along the ray of a hit at `t` ± `t_error`.

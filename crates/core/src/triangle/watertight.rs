@@ -100,7 +100,8 @@ impl PreparedRay {
     /// is measured from a point close to them.
     #[must_use]
     pub(crate) fn close_to(self, bounds: [DVec3; 2]) -> Self {
-        match CloseStart::new(&self.ray, self.tree_origin, self.origin, bounds) {
+        let origin = (self.origin, self.origin_error);
+        match CloseStart::new(&self.ray, self.tree_origin, origin, bounds) {
             Some(close) => Self {
                 start: close.point,
                 start_error: close.error,
