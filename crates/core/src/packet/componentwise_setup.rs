@@ -31,8 +31,8 @@
 //!   afterwards, as in `setup`. Units of depth are powers of two, and round nothing.
 //!
 //! * **Closer factors.** From an eye that is not off, P₀·n is computed again where its sign is not clear, and P×Q where an
-//!   edge function is off by more than [`RECOMPUTE_ABOVE`] of itself: planes, or edges' lines, that pass the eye within
-//!   roundings. In double-double arithmetic, or exactly where that does not suffice, P×Q is off by 2.01ε of itself: the
+//!   edge function is off by more than [`RECOMPUTE_ABOVE`] of itself, and than rays' own roundings move it: planes, or
+//!   edges' lines, that pass the eye within roundings. In double-double arithmetic, or exactly where that does not suffice, P×Q is off by 2.01ε of itself: the
 //!   bound of products stays 12ε. Untested, because dominated: P₀·n's error is far below [`LINEAR_ERROR`], by which the
 //!   key is off too, and of the ten roundings of products the 20εB along rays have room for eight.
 //!
@@ -54,8 +54,8 @@ use glam::{DVec3, Vec3, Vec3Swizzles};
 const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
 /// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed again,
-/// unless rays' own roundings move the function by as much: the edge's line passes the eye as closely as roundings. With a lesser limit products are computed again that leave few
-/// rays undecided; with a greater one all rays of such an edge are.
+/// unless rays' own roundings move the function by as much: the edge's line passes the eye as closely as roundings. With a
+/// lesser limit products are computed again that leave few rays undecided; with a greater one all rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
@@ -188,8 +188,7 @@ struct Functions {
     facing: (f64, f64),
     /// Edge functions, not yet positive inside, and the bounds on their errors.
     edges: [(Linear, f64); 3],
-    /// Whether any edge function of a perspective packet would be more accurate with a closer cross product; or whether closer
-    /// factors were used.
+    /// Whether products in double precision do not suffice, or did not: of edges alone in [`PacketSpace::functions`].
     are_rounded: bool,
 }
 

@@ -55,12 +55,14 @@ impl CloseStart {
         let far = way_from(origin);
         if reach <= DOUBLE_SUFFICES * length {
             let way = ray.direction * far;
-            // The product is off by ε of itself, and the sum by ε of both terms at most.
-            let greatest = way.abs().max_element() + origin.abs().max_element();
+            let point = origin + way;
+            // Product and sum are off by ε of themselves; a hundredth covers second orders, and what underflows is far below
+            // it, as the origin is away from the scene.
+            let sizes = way.abs().max_element() + point.abs().max_element();
             return Self {
                 parameter: far.into(),
-                point: origin + way,
-                error: origin_error + 3.0 * EPSILON * greatest,
+                point,
+                error: origin_error + 1.01 * EPSILON * sizes,
             }
             .if_finite();
         }
@@ -163,8 +165,8 @@ mod tests {
             // The closest point, wherever the direction's own rounding leads; with one step this fails.
             let to_center = center - start.point;
             let along = to_center.dot(ray.direction) / ray.direction.length();
-            let most = 1e-6 * (length + to_center.length());
-            assert!(along.abs() <= most, "{along}, {most}: {ray:?}");
+            let limit = 1e-6 * (length + to_center.length());
+            assert!(along.abs() <= limit, "{along}, {limit}: {ray:?}");
         }
         assert!(most[0] > 0.9 && most[1] > 0.05 && most[2] > 0.3, "{most:?}");
     }
