@@ -33,7 +33,7 @@ pub(super) fn build(scene: &Scene) -> Result<Accel, SceneError> {
 impl TreeTopology {
     /// The topology of a tree built over a mesh alone.
     pub(crate) fn of(mesh: &Mesh) -> Self {
-        let accel = build_world(World::alone(mesh, None), DEPTH_LIMIT);
+        let accel = build_world(World::of_mesh(mesh), DEPTH_LIMIT);
         Self::of_tree(&accel.tree, &accel.triangles)
     }
 }

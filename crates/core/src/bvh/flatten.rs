@@ -4,7 +4,7 @@ use super::Triangle;
 use super::corner_hash::hash;
 use super::placement::Placement;
 use super::tree::{Box32, TRIANGLE_LIMIT};
-use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Opacity, Scene, SceneError};
+use crate::scene::{COORDINATE_LIMIT, Mesh, Object, Opacity, Scene, SceneError, TreeTopology};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -18,22 +18,38 @@ pub(super) struct World<'s> {
     pub(super) objects: Vec<PlacedObject<'s>>,
 }
 
-/// A mesh with its placement.
+/// An object with its placement.
+#[derive(Clone, Copy)]
 pub(super) struct PlacedObject<'s> {
     pub(super) mesh: &'s Mesh,
+    /// The numbers of the triangles that rays can hit where it is visible.
+    pub(super) kept: &'s [u32],
+    /// The known topology of a tree over these.
+    pub(super) tree: Option<&'s TreeTopology>,
     pub(super) visible: bool,
     /// `None` where the mesh's positions are relative to the world's origin as they are.
     pub(super) placement: Option<Placement>,
 }
 
 impl<'s> PlacedObject<'s> {
-    fn new(mesh: &'s Mesh, visible: bool, world_from_object: DAffine3, origin: DVec3) -> Self {
+    fn new(object: &'s Object, world_from_object: DAffine3, origin: DVec3) -> Self {
+        let mesh = &*object.mesh;
         let as_stored = world_from_object == DAffine3::IDENTITY && mesh.offset() == origin;
         let placement = Placement::new(world_from_object, mesh.offset(), origin);
         Self {
-            mesh,
-            visible,
             placement: (!as_stored).then_some(placement),
+            ..Self::in_place(object)
+        }
+    }
+
+    /// With its mesh's own positions.
+    fn in_place(object: &'s Object) -> Self {
+        Self {
+            mesh: &object.mesh,
+            kept: object.kept(),
+            tree: (object.mesh.tree()).filter(|_| object.hidden().is_none()),
+            visible: object.visible,
+            placement: None,
         }
     }
 }
@@ -65,7 +81,7 @@ impl<'s> World<'s> {
     ) -> Result<Self, SceneError> {
         let objects = scene.objects.iter().zip(transforms);
         let place = |(object, &world_from_object): (&'s Object, _)| {
-            PlacedObject::new(&object.mesh, object.visible, world_from_object, origin)
+            PlacedObject::new(object, world_from_object, origin)
         };
         Ok(Self {
             origin,
@@ -74,15 +90,30 @@ impl<'s> World<'s> {
         })
     }
 
-    /// One mesh alone, placed or with its own positions.
-    pub(super) fn alone(mesh: &'s Mesh, placement: Option<Placement>) -> Self {
+    /// One mesh alone, with its own positions.
+    pub(super) fn of_mesh(mesh: &'s Mesh) -> Self {
+        Self::alone(PlacedObject {
+            mesh,
+            kept: mesh.kept(),
+            tree: mesh.tree(),
+            visible: true,
+            placement: None,
+        })
+    }
+
+    /// One object alone, visible or not, with its mesh's own positions.
+    pub(super) fn of_object(object: &'s Object) -> Self {
+        Self::alone(PlacedObject::in_place(object))
+    }
+
+    /// One object alone, visible or not.
+    pub(super) fn alone(object: PlacedObject<'s>) -> Self {
         Self {
             origin: DVec3::ZERO,
-            first_numbers: vec![0, mesh.triangles().len() as u32],
+            first_numbers: vec![0, object.mesh.triangles().len() as u32],
             objects: vec![PlacedObject {
-                mesh,
                 visible: true,
-                placement,
+                ..object
             }],
         }
     }
@@ -90,7 +121,7 @@ impl<'s> World<'s> {
     /// The same world with those objects hidden whose mesh has a known tree.
     pub(super) fn without_known_trees(&self) -> Self {
         let objects = self.objects.iter().map(|object| PlacedObject {
-            visible: object.visible && object.mesh.tree().is_none(),
+            visible: object.visible && object.tree.is_none(),
             ..*object
         });
         Self {
@@ -136,11 +167,10 @@ impl<'s> World<'s> {
 
     /// All kept triangles that are within range.
     pub(super) fn reachable(&self) -> Reachable {
-        let mut numbers =
-            Vec::with_capacity(self.objects.iter().map(|o| o.mesh.kept().len()).sum());
+        let mut numbers = Vec::with_capacity(self.objects.iter().map(|o| o.kept.len()).sum());
         let numbered = self.objects.iter().zip(&self.first_numbers);
         for (object, first) in numbered.filter(|(object, _)| object.visible) {
-            numbers.par_extend(object.mesh.kept().par_iter().map(|kept| first + kept));
+            numbers.par_extend(object.kept.par_iter().map(|kept| first + kept));
         }
         let out_of_range = AtomicU32::new(0);
         let around = |&number: &u32| {

@@ -29,9 +29,9 @@ pub(super) fn build(
     depth_limit: usize,
     build: impl Fn(World<'_>, usize) -> Accel,
 ) -> Option<Accel> {
-    let is_seen = |object: &&PlacedObject<'_>| object.visible && !object.mesh.kept().is_empty();
+    let is_seen = |object: &&PlacedObject<'_>| object.visible && !object.kept.is_empty();
     let seen = || world.objects.iter().filter(is_seen);
-    if !seen().any(|object| object.mesh.tree().is_some()) {
+    if !seen().any(|object| object.tree.is_some()) {
         return None;
     }
     let numbered = world.objects.iter().zip(&world.first_numbers);
@@ -88,7 +88,7 @@ impl<'p> Part<'p> {
         };
         let placed = |placement| BoxPlacement::new(placement, &own).one(own);
         Some(Self {
-            topology: Cow::Borrowed(mesh.tree()?),
+            topology: Cow::Borrowed(object.tree?),
             first_number,
             mesh: Some((mesh, object.placement)),
             around: object.placement.as_ref().map_or(own, placed),

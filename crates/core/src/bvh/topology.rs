@@ -119,7 +119,7 @@ fn check_order(mesh: &Mesh, order: &[u32]) -> Result<(), &'static str> {
     if absent.is_empty() {
         return Ok(());
     }
-    let world = World::alone(mesh, None);
+    let world = World::of_mesh(mesh);
     let reachable = world.reachable();
     let places = duplicates(&world, &reachable.numbers, &reachable.hashes);
     let duplicates = places.into_iter().map(|at| reachable.numbers[at as usize]);

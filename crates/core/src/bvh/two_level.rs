@@ -8,9 +8,10 @@ use super::top_level::{Root, TOP_DEPTH, area, top_level};
 use super::tree::{Box32, DEPTH_LIMIT, Subtree, TRIANGLE_LIMIT, Tree};
 use super::{Accel, Triangle};
 use crate::num::simd::Simd;
-use crate::scene::{Mesh, Object, Scene, SceneError};
+use crate::scene::{Object, Scene, SceneError};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
+use std::any::Any;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap, HashSet};
 use std::sync::{Arc, Weak};
@@ -38,7 +39,7 @@ pub(super) fn stored_triangles(scene: &Scene) -> usize {
         return all;
     }
     let meshes: HashMap<_, _> = (scene.objects.iter())
-        .map(|object| (Arc::as_ptr(&object.mesh), object.mesh.triangles().len()))
+        .map(|object| (address(object), object.mesh.triangles().len()))
         .collect();
     meshes.values().sum()
 }
@@ -47,14 +48,14 @@ pub(super) fn stored_triangles(scene: &Scene) -> usize {
 /// objects are separated better; with fewer, the top-level tree is built faster.
 const ROOTS: usize = 1024;
 
-/// A mesh, by its address, and its transform, as bits.
+/// An object's triangles, by their [`address`], and its transform, as bits.
 type Key = (usize, [u64; 12]);
 
-/// Trees that the next state of a scene may reuse, by the meshes' addresses.
+/// Trees that the next state of a scene may reuse, by the [`address`] of their triangles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Known {
     /// An address stays a mesh's own as long as a reference to it exists, even a weak one.
-    meshes: HashMap<usize, Weak<Mesh>>,
+    meshes: HashMap<usize, Source>,
     /// Trees in the mesh's own space.
     trees: HashMap<usize, Arc<MeshTree>>,
     placed: HashMap<Key, PlacedTree>,
@@ -64,7 +65,7 @@ pub(crate) struct Known {
 
 impl Known {
     fn new(
-        meshes: HashMap<usize, Weak<Mesh>>,
+        meshes: HashMap<usize, Source>,
         trees: HashMap<usize, Arc<MeshTree>>,
         placed: HashMap<Key, PlacedTree>,
     ) -> Self {
@@ -95,7 +96,7 @@ impl Known {
     /// Keeps the placed trees of meshes that have no other tree: an object that was removed may come back.
     fn keep_only_trees(
         &self,
-        meshes: &HashMap<usize, Weak<Mesh>>,
+        meshes: &HashMap<usize, Source>,
         trees: &HashMap<usize, Arc<MeshTree>>,
         placed: &mut HashMap<Key, PlacedTree>,
     ) {
@@ -131,13 +132,44 @@ impl Known {
     }
 }
 
-fn address(mesh: &Arc<Mesh>) -> usize {
-    Arc::as_ptr(mesh).addr()
+/// What a tree's triangles come from.
+#[derive(Clone, Debug)]
+struct Source {
+    reference: Weak<dyn Any + Send + Sync>,
+    /// Whether they are all of a mesh's, and none is hidden.
+    is_whole: bool,
+}
+
+impl Source {
+    fn of(object: &Object) -> Self {
+        let reference: Arc<dyn Any + Send + Sync> = match object.hidden() {
+            Some(hidden) => Arc::clone(hidden) as _,
+            None => Arc::clone(&object.mesh) as _,
+        };
+        Self {
+            reference: Arc::downgrade(&reference),
+            is_whole: object.hidden().is_none(),
+        }
+    }
+
+    /// Whether its trees are kept although the scene no longer has it: an object may come back. What hidden groups left
+    /// may too, but there may be as many choices of groups as there are steps to undo.
+    fn may_return(&self) -> bool {
+        self.is_whole && self.reference.strong_count() > 0
+    }
+}
+
+/// Identifies an object's triangles: the address of its mesh, or of what says which of its groups are hidden.
+fn address(object: &Object) -> usize {
+    match object.hidden() {
+        Some(hidden) => Arc::as_ptr(hidden).addr(),
+        None => Arc::as_ptr(&object.mesh).addr(),
+    }
 }
 
 fn key(object: &Object, world_from_object: &DAffine3) -> Key {
     let bits = world_from_object.to_cols_array().map(f64::to_bits);
-    (address(&object.mesh), bits)
+    (address(object), bits)
 }
 
 /// The tree of a mesh alone; with `is_placed`, of its triangles as they are placed there.
@@ -178,8 +210,8 @@ pub(super) fn build(
         .map(|(object, transform)| key(object, transform))
         .collect();
     let (mut placed, missing) = known.placed_and_missing(&keys);
-    let meshes = missing.values().map(|&number| &scene.objects[number].mesh);
-    let Some(mut trees) = trees(meshes, known, quick) else {
+    let objects = missing.values().map(|&number| &scene.objects[number]);
+    let Some(mut trees) = trees(objects, known, quick) else {
         return Ok(None);
     };
     if quick && missing.len() > QUICK_PLACES {
@@ -284,7 +316,7 @@ impl Placer<'_> {
                 return None;
             }
             // Some triangles may be out of range: builds a tree over the others.
-            let tree = mesh_tree(World::alone(object.mesh, object.placement), true);
+            let tree = mesh_tree(World::alone(*object), true);
             PlacedTree::new(tree, None)
         })?;
         Some(if self.places_corners(key.0) {
@@ -321,16 +353,15 @@ fn drop_doubles(
     }
 }
 
-/// The meshes, known or of the scene, that still exist.
-fn living_meshes(scene: &Scene, known: &Known) -> HashMap<usize, Weak<Mesh>> {
+/// The meshes, known or of the scene, whose trees are kept.
+fn living_meshes(scene: &Scene, known: &Known) -> HashMap<usize, Source> {
     let mut meshes = known.meshes.clone();
+    meshes.retain(|_, source| source.may_return());
     for object in &scene.objects {
-        let mesh = &object.mesh;
         meshes
-            .entry(address(mesh))
-            .or_insert_with(|| Arc::downgrade(mesh));
+            .entry(address(object))
+            .or_insert_with(|| Source::of(object));
     }
-    meshes.retain(|_, mesh| mesh.strong_count() > 0);
     meshes
 }
 
@@ -370,14 +401,14 @@ fn instances(
 
 /// The known trees, and those of some meshes. With `quick`, `None` where one would have to be built.
 fn trees<'m>(
-    meshes: impl Iterator<Item = &'m Arc<Mesh>>,
+    objects: impl Iterator<Item = &'m Object>,
     known: &Known,
     quick: bool,
 ) -> Option<HashMap<usize, Arc<MeshTree>>> {
     let mut trees = known.trees.clone();
-    let mut missing: HashMap<usize, &Arc<Mesh>> = HashMap::new();
-    for mesh in meshes {
-        let address = address(mesh);
+    let mut missing: HashMap<usize, &Object> = HashMap::new();
+    for object in objects {
+        let (address, mesh) = (address(object), &object.mesh);
         if trees.contains_key(&address) || missing.contains_key(&address) {
             continue;
         }
@@ -388,11 +419,11 @@ fn trees<'m>(
                 trees.insert(address, Arc::new(tree.refitted(own)));
             }
             _ if quick => return None,
-            _ => _ = missing.insert(address, mesh),
+            _ => _ = missing.insert(address, object),
         }
     }
-    trees.par_extend(missing.into_par_iter().map(|(address, mesh)| {
-        let tree = mesh_tree(World::alone(mesh, None), false);
+    trees.par_extend(missing.into_par_iter().map(|(address, object)| {
+        let tree = mesh_tree(World::of_object(object), false);
         (address, tree)
     }));
     Some(trees)

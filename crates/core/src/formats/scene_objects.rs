@@ -12,11 +12,11 @@ use crate::camera::Pose;
 use crate::quote::{self, quote};
 use crate::ranges;
 use crate::scene::{
-    ColorRule, Mesh, Object, Photograph, Projector, Quantity, Shape, ShapeError, Texture,
-    TextureMapping, Transform, UpAxis,
+    ColorRule, HiddenGroups, Mesh, Object, Photograph, Projector, Quantity, Shape, ShapeError,
+    Texture, TextureMapping, Transform, UpAxis,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 use toml::Spanned;
@@ -39,6 +39,9 @@ fn within(transform: &Transform, world_from_object: DAffine3) -> Transform {
     }
 }
 
+/// What is hidden, by mesh and names.
+type Hidden = HashMap<(*const Mesh, BTreeSet<String>), Arc<HiddenGroups>>;
+
 impl Reader<'_> {
     /// Reads the objects of the tables, in order.
     pub(super) fn objects(
@@ -54,6 +57,7 @@ impl Reader<'_> {
         // By their displayed parameters.
         let mut shapes: HashMap<String, [MeshObject; 1]> = HashMap::new();
         let mut textures = Textures::default();
+        let mut hidden = Hidden::new();
         let mut objects: Vec<Object> = Vec::with_capacity(tables.len());
         let mut first_objects = Vec::with_capacity(tables.len());
         let share = 1.0 / tables.len().max(1) as f32;
@@ -115,6 +119,10 @@ impl Reader<'_> {
                 };
                 self.set_look(&mut object, table, texture.as_ref())?;
                 objects.push(object);
+            }
+            if let Some(names) = &table.hidden_groups {
+                let own = first_objects.last().map_or(0, |first| *first);
+                self.hide_groups(names, &mut objects[own..], &mut hidden, warnings);
             }
         }
         first_objects.push(objects.len());
@@ -179,6 +187,41 @@ impl Reader<'_> {
             object.blend_by = Some(name.clone());
         }
         Ok(())
+    }
+
+    /// Hides groups of the objects of a table. Objects of one mesh share what is computed for it.
+    fn hide_groups(
+        &self,
+        names: &Spanned<BTreeSet<String>>,
+        objects: &mut [Object],
+        hidden: &mut Hidden,
+        warnings: &mut Vec<String>,
+    ) {
+        let all = names.get_ref();
+        for name in all {
+            let has = |object: &Object| {
+                name.is_empty() || object.mesh.groups().names().iter().any(|own| own == name)
+            };
+            if !objects.iter().any(has) {
+                let line = line_at(self.text.as_bytes(), names.span().start);
+                let path = quote::path(self.path);
+                warnings.push(format!(
+                    "{path}:{line}: hidden-groups: the mesh has no group {}",
+                    quote(name)
+                ));
+            }
+        }
+        for object in objects {
+            let key = (Arc::as_ptr(&object.mesh), all.clone());
+            object.hidden_groups = match hidden.get(&key) {
+                Some(known) => Some(Arc::clone(known)),
+                None => {
+                    object.hide_groups(all.clone());
+                    hidden.extend(object.hidden_groups.clone().map(|it| (key, it)));
+                    continue;
+                }
+            };
+        }
     }
 
     /// Checks that a scalar that the file names exists in the mesh.

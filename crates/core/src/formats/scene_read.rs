@@ -101,7 +101,7 @@ fn unseen(path: &Path, scene: &Scene) -> Vec<String> {
     let placed = scene.objects.iter().zip(transforms);
     let warnings = placed.filter_map(|(object, world_from_object)| {
         let why = Unseen::of(object, &world_from_object)?;
-        let count = object.mesh.kept().len();
+        let count = object.kept().len();
         let name = quote(&object.name);
         Some(format!(
             "{path}: none of the {count} triangles of object {name} is seen: {why}"

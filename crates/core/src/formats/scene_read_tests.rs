@@ -56,6 +56,9 @@ pub(super) fn files(name: &str) -> Option<Vec<u8>> {
     match name {
         "parts/a.obj" => Some("mtllib a.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3".into()),
         "parts/a.mtl" => Some("newmtl x\nKd 0 1 0".into()),
+        "groups.obj" => Some(
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\ng lid\nf 1 2 4\ng \"box\" é\nf 1 3 4\n".into(),
+        ),
         "b.txt" => Some("(0,0,0);(1,0,0);(0,1,0)".into()),
         "wide.ppm" => Some("P3\n4 1\n255\n1 2 3 4 5 6 7 8 9 10 11 12\n".into()),
         "t.ppm" => Some("P3\n1 1\n255\n1 2 3\n".into()),

@@ -7,6 +7,7 @@ use super::scene_words::{
 };
 use crate::scene::Shape;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use toml::Spanned;
 
 /// The version of scene files that is written, and the newest that is read; a file without a version has this one. It
@@ -268,6 +269,9 @@ pub(super) struct ObjectToml {
     pub(super) parent: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) visible: Option<bool>,
+    /// The names of groups that rays cannot hit; the empty name is that of triangles in no group.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) hidden_groups: Option<Spanned<BTreeSet<String>>>,
 }
 
 /// The perspective camera that a texture was taken with.

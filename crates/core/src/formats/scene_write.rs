@@ -259,6 +259,8 @@ fn object(
         matrix: rows(matrix).map(spanned),
         parent: object.parent.map(|parent| spanned(names[parent].clone())),
         visible: (!object.visible).then_some(false),
+        hidden_groups: (object.hidden_groups.as_ref())
+            .map(|hidden| spanned(hidden.names().clone())),
     })
 }
 

@@ -3,9 +3,10 @@
 use super::scene_read_tests::{MAPPED, WHOLE, files, parse};
 use super::*;
 use crate::camera::{Curve, Ease};
-use crate::scene::{Color, Shape};
+use crate::scene::{Color, Object, Shape};
 use crate::shade::{LightSet, Mode};
 use glam::DVec3;
+use std::sync::Arc;
 
 #[test]
 fn saved_scenes_read_the_same() {
@@ -269,4 +270,35 @@ fn clipping_planes_come_back_and_their_faults_are_named() {
         let error = read_scene_from(bad, &files).expect_err(bad).to_string();
         assert!(error.contains(message), "{error}");
     }
+}
+
+#[test]
+fn hidden_groups_are_saved_and_shared_by_objects_of_one_mesh() {
+    let object =
+        |names: &str| format!("[[object]]\nmesh = \"groups.obj\"\nhidden-groups = [{names}]\n");
+    let both = r#""\"box\" é", """#;
+    let text = [object(both), object("\"lid\""), object(both), object("")].concat();
+    let file = parse(&text);
+    assert_eq!(file.warnings, [""; 0]);
+    let kept = |file: &SceneFile| -> Vec<Vec<u32>> {
+        let objects = file.scene.objects.iter();
+        objects.map(|object| object.kept().to_vec()).collect()
+    };
+    let expected: [&[u32]; 4] = [&[1], &[0, 2], &[1], &[0, 1, 2]];
+    assert_eq!(kept(&file), expected);
+    let [first, _, third, none] = &file.scene.objects[..] else {
+        panic!("four objects");
+    };
+    let hidden = |object: &Object| object.hidden_groups.clone().expect("hidden groups");
+    assert!(Arc::ptr_eq(&hidden(first), &hidden(third)));
+    assert_eq!(none.hidden_groups, None);
+    let saved = file
+        .to_toml(Path::new("/nowhere"))
+        .expect("it can be saved");
+    assert_eq!(kept(&parse(&saved)), expected);
+
+    let unknown = parse(&object("\"lid\", \"wheel\""));
+    assert_eq!(kept(&unknown), [[0, 2]]);
+    let message = "scene:3: hidden-groups: the mesh has no group \"wheel\"";
+    assert_eq!(unknown.warnings, [message]);
 }

@@ -69,7 +69,12 @@ fn scene(random: &mut Random, offset: DVec3) -> Scene {
 }
 
 /// Compares both trees; returns how many rays hit something.
-fn assert_equal(one: &Accel, other: &Accel, offset: DVec3, random: &mut Random) -> usize {
+pub(super) fn assert_equal(
+    one: &Accel,
+    other: &Accel,
+    offset: DVec3,
+    random: &mut Random,
+) -> usize {
     assert_eq!(one.origin(), other.origin());
     let mut hits = 0;
     for _ in 0..300 {

@@ -55,6 +55,8 @@ mod counts;
 mod decisions;
 mod depth_reference;
 mod frustum;
+#[cfg(test)]
+mod hidden_group_tests;
 mod hit_buffer;
 #[cfg(test)]
 mod hostile_panorama_tests;

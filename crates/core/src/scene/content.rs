@@ -42,6 +42,7 @@ fn add_object(hash: &mut Digester, object: &Object) {
         texture_source: _,
         node: _,
         visible,
+        hidden_groups: _,
         shape: _,
     } = object;
     let Transform {
@@ -121,6 +122,12 @@ fn add_object(hash: &mut Digester, object: &Object) {
     // valid.
     if !visible {
         hash.bytes(b"hidden");
+    }
+    let shown = object.kept();
+    if shown.len() < mesh.kept().len() {
+        hash.bytes(b"hidden groups");
+        hash.number(shown.len() as u64);
+        hash.words(shown.iter().copied());
     }
 }
 

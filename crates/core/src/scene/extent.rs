@@ -1,21 +1,21 @@
 //! The extent of a scene: bounding box and bounding sphere.
 
-use super::{Bounds, Mesh, Scene};
+use super::{Bounds, Mesh, Object, Scene};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A visible object's mesh and transform.
+/// A visible object and its transform.
 struct ObjectExtent<'s> {
-    mesh: &'s Mesh,
+    object: &'s Object,
     world_from_object: DAffine3,
     /// A conservative box around its points; infinite where they may overflow double precision.
     loose: Bounds,
 }
 
 impl<'s> ObjectExtent<'s> {
-    /// `None` for a mesh without triangles.
-    fn new(mesh: &'s Mesh, world_from_object: DAffine3) -> Option<Self> {
-        let own = mesh.bounds();
+    /// `None` for an object without triangles.
+    fn new(object: &'s Object, world_from_object: DAffine3) -> Option<Self> {
+        let own = object.bounds();
         if own.is_empty() {
             return None;
         }
@@ -41,7 +41,7 @@ impl<'s> ObjectExtent<'s> {
         };
         let is_finite = loose.min.is_finite() && loose.max.is_finite();
         Some(Self {
-            mesh,
+            object,
             world_from_object,
             loose: if is_finite { loose } else { everything },
         })
@@ -50,16 +50,19 @@ impl<'s> ObjectExtent<'s> {
     /// The points in world space, without those that the transform makes infinite or NaN.
     fn points(&self) -> impl Iterator<Item = DVec3> {
         let place = |position: Vec3| {
-            let in_object = self.mesh.offset() + position.as_dvec3();
+            let in_object = self.object.mesh.offset() + position.as_dvec3();
             self.world_from_object.transform_point3(in_object)
         };
-        let positions = self.mesh.kept_positions().map(place);
-        positions.filter(|point| point.is_finite())
+        let hidden = self.object.hidden();
+        let all = hidden.is_none().then(|| self.object.mesh.kept_positions());
+        let some = hidden.map(|hidden| hidden.positions());
+        let positions = all.into_iter().flatten().chain(some.into_iter().flatten());
+        positions.map(place).filter(|point| point.is_finite())
     }
 
     fn bounds(&self) -> Bounds {
         if self.world_from_object == DAffine3::IDENTITY {
-            self.mesh.bounds()
+            self.object.bounds()
         } else {
             Bounds::around(self.points())
         }
@@ -76,14 +79,20 @@ impl<'s> ObjectExtent<'s> {
 }
 
 impl Mesh {
+    /// For each vertex, whether one of these kept triangles uses it.
+    pub(super) fn used_vertices(&self, kept: &[u32]) -> Vec<bool> {
+        let mut is_used = vec![false; self.positions().len()];
+        let triangles = kept.iter().map(|&n| self.triangles()[n as usize]);
+        triangles
+            .flatten()
+            .for_each(|vertex| is_used[vertex as usize] = true);
+        is_used
+    }
+
     /// The positions of the vertices that kept triangles use, each once.
     fn kept_positions(&self) -> impl Iterator<Item = Vec3> {
         let kept = self.measures().kept_vertices.get_or_init(|| {
-            let mut is_kept = vec![false; self.positions().len()];
-            let triangles = self.kept().iter().map(|&n| self.triangles()[n as usize]);
-            triangles
-                .flatten()
-                .for_each(|vertex| is_kept[vertex as usize] = true);
+            let is_kept = self.used_vertices(self.kept());
             let kept = (0..).zip(&is_kept).filter(|(_, is_kept)| **is_kept);
             is_kept
                 .contains(&false)
@@ -104,8 +113,7 @@ impl Scene {
         let transforms = self.world_from_objects().ok()?;
         let objects = self.objects.iter().zip(transforms);
         let visible = objects.filter(|(object, _)| object.visible);
-        let placed =
-            visible.filter_map(|(object, transform)| ObjectExtent::new(&object.mesh, transform));
+        let placed = visible.filter_map(|(object, transform)| ObjectExtent::new(object, transform));
         Some(placed.collect())
     }
 

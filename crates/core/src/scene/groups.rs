@@ -102,6 +102,15 @@ impl Groups {
             .map(|(range, group)| (range, self.name(group)))
     }
 
+    /// As [`Groups::named_ranges`], with the triangles above the first group.
+    pub(super) fn all_ranges(
+        &self,
+        triangles: usize,
+    ) -> impl Iterator<Item = (Range<usize>, Option<&str>)> {
+        let first = (self.runs.first()).map_or(triangles, |run| run.first as usize);
+        std::iter::once((0..first, None)).chain(self.named_ranges(triangles))
+    }
+
     fn ranges(&self, triangles: usize) -> impl Iterator<Item = (Range<usize>, u32)> {
         let ends = self.runs.iter().skip(1).map(|run| run.first as usize);
         let ends = ends.chain([triangles]).map(move |end| end.min(triangles));

@@ -1,7 +1,10 @@
-use super::{Color, ColorRule, Mesh, ScalarAt, Shape, Texture, TextureMapping, Transform, UpAxis};
+use super::{
+    Bounds, Color, ColorRule, HiddenGroups, Mesh, ScalarAt, Shape, Texture, TextureMapping,
+    Transform, UpAxis,
+};
 use crate::quote::shorten;
 use glam::DAffine3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -37,6 +40,8 @@ pub struct Object {
     /// Whether rays can hit it. A hidden object keeps its number, its triangles keep theirs, and its children stay
     /// where they are.
     pub visible: bool,
+    /// Groups of its mesh that rays cannot hit, set by [`Object::hide_groups`]; those of another mesh hide nothing.
+    pub hidden_groups: Option<Arc<HiddenGroups>>,
     /// The parameters that its mesh was made from, if it came from no file.
     pub shape: Option<Shape>,
 }
@@ -58,8 +63,41 @@ impl Object {
             texture_source: None,
             node: None,
             visible: true,
+            hidden_groups: None,
             shape: None,
         }
+    }
+
+    /// Hides the groups of these names and no others. The empty name is that of triangles in no group.
+    pub fn hide_groups(&mut self, names: BTreeSet<String>) {
+        let hide = || Arc::new(HiddenGroups::new(Arc::clone(&self.mesh), names.clone()));
+        self.hidden_groups = (!names.is_empty()).then(hide);
+    }
+
+    /// Replaces its mesh, in which groups of the same names are hidden.
+    pub fn set_mesh(&mut self, mesh: Arc<Mesh>) {
+        self.mesh = mesh;
+        if let Some(hidden) = self.hidden_groups.take() {
+            self.hide_groups(hidden.names().clone());
+        }
+    }
+
+    /// The hidden groups, if any are.
+    pub(crate) fn hidden(&self) -> Option<&Arc<HiddenGroups>> {
+        let hidden = self.hidden_groups.as_ref()?;
+        Arc::ptr_eq(hidden.mesh(), &self.mesh).then_some(hidden)
+    }
+
+    /// The numbers of its mesh's kept triangles that are in no hidden group, ascending.
+    pub fn kept(&self) -> &[u32] {
+        self.hidden()
+            .map_or(self.mesh.kept(), |hidden| hidden.kept())
+    }
+
+    /// The box around these triangles, in its own space.
+    pub fn bounds(&self) -> Bounds {
+        self.hidden()
+            .map_or_else(|| self.mesh.bounds(), |hidden| hidden.bounds())
     }
 
     /// The image on one of its triangles: the object's own; else, where the object shows the file's colours, that of

@@ -14,10 +14,10 @@ pub enum Unseen {
 impl Unseen {
     /// Whether, and why, no ray can hit an object that has triangles; from its transform alone, hidden or not.
     pub fn of(object: &Object, world_from_object: &DAffine3) -> Option<Self> {
-        if object.mesh.kept().is_empty() {
+        if object.kept().is_empty() {
             return None;
         }
-        let bounds = object.mesh.bounds();
+        let bounds = object.bounds();
         let corners = bounds
             .corners()
             .map(|corner| world_from_object.transform_point3(corner));

@@ -9,7 +9,7 @@ use crate::stats::{json, milliseconds};
 use crate::{memory, setup};
 use raycast_core::formats::{self, SceneFile};
 use raycast_core::quote;
-use raycast_core::scene::{Bounds, Dropped, Mesh, Object, Scalar, ScalarAt, Texture};
+use raycast_core::scene::{Bounds, Dropped, Object, Scalar, ScalarAt, Texture};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -73,6 +73,9 @@ struct ObjectInfo {
 #[derive(Debug, Serialize)]
 struct GroupInfo {
     name: String,
+    /// Whether the scene file hides it.
+    #[serde(skip_serializing_if = "is_not")]
+    hidden: bool,
     triangles: usize,
 }
 
@@ -188,7 +191,7 @@ impl From<&Object> for ObjectInfo {
             uvs: mesh.has_uvs(),
             materials: mesh.materials().iter().map(|m| m.name.clone()).collect(),
             material_textures,
-            groups: groups(mesh),
+            groups: groups(object),
             texture: object.texture.as_ref().map(size),
             offset: mesh.offset().to_array(),
             rounding: RoundingInfo {
@@ -203,10 +206,21 @@ impl From<&Object> for ObjectInfo {
     }
 }
 
-fn groups(mesh: &Mesh) -> Vec<GroupInfo> {
+fn is_not(flag: &bool) -> bool {
+    !flag
+}
+
+fn groups(object: &Object) -> Vec<GroupInfo> {
+    let mesh = &object.mesh;
+    let hidden = object.hidden_groups.as_ref();
+    let is_hidden = |name: &String| hidden.is_some_and(|it| it.names().contains(name));
     let sizes = mesh.groups().sizes(mesh.triangles().len());
     let names = mesh.groups().names().iter().cloned();
-    let of = |(name, triangles)| GroupInfo { name, triangles };
+    let of = |(name, triangles)| GroupInfo {
+        hidden: is_hidden(&name),
+        name,
+        triangles,
+    };
     names.zip(sizes).map(of).collect()
 }
 
@@ -347,8 +361,10 @@ fn describe_object(text: &mut String, object: &ObjectInfo, is_one_of_several: bo
     }
     if !object.groups.is_empty() {
         let names = object.groups.iter();
-        let names =
-            names.map(|group| format!("{} ({})", quote::name(&group.name), group.triangles));
+        let names = names.map(|group| {
+            let hidden = if group.hidden { ", hidden" } else { "" };
+            format!("{} ({}{hidden})", quote::name(&group.name), group.triangles)
+        });
         line("groups", first_few(&names.collect::<Vec<_>>()));
     }
     if let Some([width, height]) = object.texture {

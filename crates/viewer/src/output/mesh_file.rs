@@ -4,7 +4,7 @@ use super::target::Output;
 use super::unfinished::Unfinished;
 use crate::failure::Failure;
 use raycast_core::formats::{MaterialLibrary, MeshFormat, WriteError, Written, write_meshes};
-use raycast_core::scene::Scene;
+use raycast_core::scene::{Object, Scene};
 use std::fmt::Display;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -53,7 +53,10 @@ impl MeshFile {
     /// No visible object; those of [`Output`] and of writing.
     pub fn write(&self, scene: &Scene, opened: &[PathBuf]) -> Result<Vec<String>, Failure> {
         self.output.check_against(opened)?;
-        if !scene.objects.iter().any(|object| object.visible) {
+        let is_all_hidden = |object: &Object| {
+            !object.visible || object.hidden_groups.is_some() && object.kept().is_empty()
+        };
+        if scene.objects.iter().all(is_all_hidden) {
             let reason = "every object is hidden";
             return Err(self.cannot(&reason));
         }

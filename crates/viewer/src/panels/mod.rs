@@ -5,6 +5,7 @@ mod camera;
 mod colors;
 mod cut;
 mod gizmo;
+mod groups;
 mod health;
 mod help;
 mod highlight;

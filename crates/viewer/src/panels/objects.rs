@@ -1,8 +1,8 @@
 //! The list of objects, and the controls of the selected one.
 
 use super::surface::PROJECTIONS;
-use super::widgets::{choice, color, item, row, section, select};
-use super::{Commands, object_tree, shape, texture_part, transform};
+use super::widgets::{choice, color, eye, item, row, section, select};
+use super::{Commands, groups, object_tree, shape, texture_part, transform};
 use crate::state::State;
 use crate::state::command::Command;
 use crate::ui::format;
@@ -144,22 +144,6 @@ fn object_row(
     });
 }
 
-/// An open or closed eye; returns whether it was clicked.
-fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
-    let (rect, response) = ui.allocate_exact_size(vec2(18.0, 16.0), Sense::click());
-    response
-        .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_open, spoken));
-    let colors = theme::colors(ui);
-    let color = match (response.hovered() || response.has_focus(), is_open) {
-        (true, _) => colors.accent,
-        (false, true) => colors.text,
-        (false, false) => colors.quiet.gamma_multiply(0.6),
-    };
-    let icon = if is_open { Icon::Eye } else { Icon::EyeClosed };
-    icons::paint(ui.painter(), rect.center(), icon, 14.0, color);
-    response.on_hover_text(spoken).clicked()
-}
-
 /// A padlock; returns whether it was clicked.
 fn padlock(ui: &mut Ui, spoken: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(14.0, 16.0), Sense::click());
@@ -201,6 +185,7 @@ fn name_field(ui: &mut Ui, number: usize, object: &Object, out: &mut Commands) {
 
 /// The controls of the selected object.
 fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut Commands) {
+    groups::show(ui, state, (number, object), out);
     own_color(ui, state, (number, object), out);
     own_texture(ui, state, (number, object), out);
     texture_part::show(ui, state, (number, object), out);

@@ -10,7 +10,7 @@ use egui::collapsing_header::paint_default_icon;
 use egui::color_picker::{Alpha, color_picker_color32};
 use egui::{
     Button, CollapsingHeader, Color32, DragValue, Id, Popup, PopupCloseBehavior, Response,
-    RichText, TextEdit, Ui, vec2,
+    RichText, Sense, TextEdit, Ui, vec2,
 };
 use raycast_core::scene::Color;
 use std::ops::{Range, RangeInclusive};
@@ -328,6 +328,22 @@ pub(super) fn tick(ui: &mut Ui, on: bool, name: &str, hint: &str) -> Option<bool
         .on_hover_text(hint)
         .changed()
         .then_some(now)
+}
+
+/// An open or closed eye; returns whether it was clicked.
+pub(super) fn eye(ui: &mut Ui, is_open: bool, spoken: &str) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(18.0, 16.0), Sense::click());
+    response
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_open, spoken));
+    let colors = theme::colors(ui);
+    let color = match (response.hovered() || response.has_focus(), is_open) {
+        (true, _) => colors.accent,
+        (false, true) => colors.text,
+        (false, false) => colors.quiet.gamma_multiply(0.6),
+    };
+    let icon = if is_open { Icon::Eye } else { Icon::EyeClosed };
+    icons::paint(ui.painter(), rect.center(), icon, 14.0, color);
+    response.on_hover_text(spoken).clicked()
 }
 
 /// A colour button, which opens a picker and the colour as text; returns the new colour if it was changed.

@@ -103,12 +103,15 @@ pub fn visible(name: &str, scene: &Scene, accel: Accel) -> Result<Accel, Failure
         object.visible && Unseen::of(object, world_from_object).is_none()
     });
     if accel.is_empty() || !is_seen {
-        let hidden = scene.objects.iter().filter(|object| !object.visible);
+        let hidden = scene.objects.iter().map(|object| {
+            let shown = object.kept().len() * usize::from(object.visible);
+            object.mesh.kept().len() - shown
+        });
         return Err(NothingToSee {
             name: name.to_owned(),
             triangles: scene.triangle_count(),
             dropped: dropped(scene, &accel),
-            hidden: hidden.map(|object| object.mesh.kept().len()).sum(),
+            hidden: hidden.sum(),
         }
         .into());
     }

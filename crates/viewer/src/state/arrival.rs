@@ -214,14 +214,14 @@ fn keep_looks(document: &mut Document, last: &Document) -> Option<Renewed> {
     if Arc::ptr_eq(&last.scene, &last.read) {
         return Some(meshes);
     }
-    let objects = pairs.iter().map(|(new, old)| Object {
-        mesh: Arc::clone(&new.mesh),
+    let objects = pairs.iter().map(|(new, old)| {
+        let mut object = Object::clone(old);
+        object.set_mesh(Arc::clone(&new.mesh));
         // A texture that came with the mesh was reloaded as well.
-        texture: match old.texture_source == new.texture_source {
-            true => new.texture.clone(),
-            false => old.texture.clone(),
-        },
-        ..(*old).clone()
+        if old.texture_source == new.texture_source {
+            object.texture = new.texture.clone();
+        }
+        object
     });
     let scene = Scene {
         objects: objects.collect(),

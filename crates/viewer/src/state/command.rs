@@ -194,6 +194,22 @@ pub enum Command {
     Select(Option<usize>),
     /// Show or hide an object.
     SetVisible(usize, bool),
+    /// Hide or show a group of an object's mesh.
+    SetGroupVisible {
+        /// The object's number.
+        object: usize,
+        /// The group's name; empty for the triangles in no group.
+        group: String,
+        /// Whether it is shown.
+        visible: bool,
+    },
+    /// Show a group of an object's mesh alone, or all of them again.
+    IsolateGroup {
+        /// The object's number.
+        object: usize,
+        /// The group's name.
+        group: String,
+    },
     /// Isolate an object; show all if it is isolated already.
     Isolate(usize),
     /// Show all objects.
@@ -445,6 +461,9 @@ impl Command {
             Self::SetVisible(_, true) | Self::ShowAll => ("Show", false),
             Self::SetVisible(_, false) => ("Hide", false),
             Self::Isolate(_) => ("Isolate", false),
+            Self::SetGroupVisible { visible: true, .. } => ("Show group", false),
+            Self::SetGroupVisible { visible: false, .. } => ("Hide group", false),
+            Self::IsolateGroup { .. } => ("Isolate group", false),
             Self::Rename(..) => ("Rename", false),
             Self::AddShape(_) => ("Add", false),
             Self::SetShape(..) => ("Change of shape", true),

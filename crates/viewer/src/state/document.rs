@@ -159,5 +159,6 @@ fn has_same_triangles(a: &Scene, b: &Scene) -> bool {
                     && a.transform == b.transform
                     && a.parent == b.parent
                     && a.visible == b.visible
+                    && a.hidden_groups == b.hidden_groups
             })
 }

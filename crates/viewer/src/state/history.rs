@@ -183,7 +183,7 @@ impl History {
                     .iter()
                     .find(|(old, _)| Arc::ptr_eq(old, &object.mesh));
                 if let Some((_, new)) = new {
-                    object.mesh = Arc::clone(new);
+                    object.set_mesh(Arc::clone(new));
                 }
             }
             step.other.scene = Arc::new(scene);
@@ -225,6 +225,11 @@ fn held(kept: &Arc<Scene>, scene: &Arc<Scene>) -> usize {
     }
     let list = kept.objects.len() * size_of::<Object>();
     let meshes: HashSet<_> = scene.objects.iter().map(|o| Arc::as_ptr(&o.mesh)).collect();
+    let parts = scene
+        .objects
+        .iter()
+        .filter_map(|o| o.hidden_groups.as_ref());
+    let parts: HashSet<_> = parts.map(Arc::as_ptr).collect();
     let textures = scene.objects.iter().filter_map(|o| o.texture.as_ref());
     let textures: HashSet<_> = textures.map(Arc::as_ptr).collect();
     let mut seen = HashSet::new();
@@ -233,6 +238,12 @@ fn held(kept: &Arc<Scene>, scene: &Arc<Scene>) -> usize {
         let mesh = Arc::as_ptr(&object.mesh);
         if !meshes.contains(&mesh) && seen.insert(mesh.cast::<()>()) {
             bytes += mesh_bytes(&object.mesh);
+        }
+        if let Some(hidden) = &object.hidden_groups
+            && !parts.contains(&Arc::as_ptr(hidden))
+            && seen.insert(Arc::as_ptr(hidden).cast())
+        {
+            bytes += size_of_val(hidden.kept());
         }
         if let Some(texture) = &object.texture
             && !textures.contains(&Arc::as_ptr(texture))

@@ -14,6 +14,7 @@ pub mod document;
 pub mod effect;
 mod files;
 mod framing;
+pub mod groups;
 pub mod handle;
 pub mod history;
 pub mod insertion;

@@ -49,6 +49,7 @@ fn is_same(a: &Object, b: &Object) -> bool {
         texture_source,
         node,
         visible,
+        hidden_groups,
         shape,
     } = a;
     let address = |texture: &Option<Arc<Texture>>| texture.as_ref().map(Arc::as_ptr);
@@ -65,6 +66,7 @@ fn is_same(a: &Object, b: &Object) -> bool {
         && *texture_source == b.texture_source
         && *node == b.node
         && *visible == b.visible
+        && *hidden_groups == b.hidden_groups
         && *shape == b.shape
 }
 

@@ -10,12 +10,13 @@ use super::thumbnail::{ShownImage, TexturePart};
 use super::viewpoint::fov_range;
 use super::{Palette, PromptKind, Resolution, SAMPLES_LIMIT, State};
 use super::{
-    as_command, bookmarks, cut, files, history, inspect, list_order, navigate, objects, parents,
-    plane, preferences, shapes,
+    as_command, bookmarks, cut, files, groups, history, inspect, list_order, navigate, objects,
+    parents, plane, preferences, shapes,
 };
 use raycast_core::ranges::{FURTHEST_SHIFT, WIDEST_LINE};
 use raycast_core::scene::{TextureProjection, UpAxis};
 use raycast_core::shade::{Mode, Wireframe};
+use std::collections::BTreeSet;
 
 pub use super::names::suggested_name;
 
@@ -206,7 +207,18 @@ fn carry_out(state: &mut State, command: Command) -> Option<Effect> {
             return objects::edit_one(state, which, |object| object.visible = visible);
         }
         Command::Isolate(which) => return objects::isolate(state, which),
-        Command::ShowAll => return objects::edit_each(state, |_, object| object.visible = true),
+        Command::ShowAll => {
+            return objects::edit_each(state, |_, object| {
+                object.visible = true;
+                object.hide_groups(BTreeSet::new());
+            });
+        }
+        Command::SetGroupVisible {
+            object,
+            group,
+            visible,
+        } => return groups::set_visible(state, object, &group, visible),
+        Command::IsolateGroup { object, group } => return groups::isolate(state, object, &group),
         Command::EditName(which) => {
             state.naming = which.filter(|&which| objects::is_free(state, which));
             state.panel |= which.is_some();

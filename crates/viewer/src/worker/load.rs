@@ -12,7 +12,7 @@ use raycast_core::Accel;
 use raycast_core::formats::{self, FormatError, Limits, SceneFile};
 use raycast_core::picture::{ImageFile, Recipe};
 use raycast_core::render::Cancel;
-use raycast_core::scene::Scene;
+use raycast_core::scene::{Object, Scene};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -210,13 +210,14 @@ impl Load<'_> {
         let scene = Arc::new(file.scene);
         // Computed here, so that the window does not wait for them.
         scene.objects.iter().for_each(|object| {
-            object.mesh.bounds();
+            object.bounds();
         });
         // Filters that need mip levels can be chosen at any time.
         let triangles = Accel::stored_triangles(&scene);
         memory::check_scene(&called, triangles, scene.level_bytes())
             .map_err(|error| error.to_string())?;
-        let has_hidden = scene.objects.iter().any(|object| !object.visible);
+        let is_hidden = |object: &Object| !object.visible || object.hidden_groups.is_some();
+        let has_hidden = scene.objects.iter().any(is_hidden);
         let accel =
             setup::tree_to_edit(&scene).and_then(|accel| match has_hidden || !accel.is_empty() {
                 // A scene with nothing visible may be intended, and what is scaled to nothing can be scaled again.

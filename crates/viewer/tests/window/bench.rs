@@ -126,9 +126,16 @@ pub(crate) fn open_two() -> Harness<'static, Bench> {
         object.source = Some(std::env::temp_dir().join("mesh.obj"));
         object
     };
-    let scene = Arc::new(Scene {
-        objects: vec![object("left one", 0.0), object("right one", 2.0)],
-    });
+    open_objects(vec![object("left one", 0.0), object("right one", 2.0)])
+}
+
+/// A window on one mesh, an object of the name "mesh".
+pub(crate) fn open_mesh(mesh: Mesh) -> Harness<'static, Bench> {
+    open_objects(vec![Object::new("mesh", Arc::new(mesh))])
+}
+
+fn open_objects(objects: Vec<Object>) -> Harness<'static, Bench> {
+    let scene = Arc::new(Scene { objects });
     let mut state = State::default();
     state.preferences.smooth = false;
     let tree = Tree {

@@ -4,6 +4,7 @@
 mod bench;
 mod camera;
 mod files;
+mod groups;
 mod keys;
 mod look;
 mod objects;

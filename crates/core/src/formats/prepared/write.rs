@@ -123,6 +123,7 @@ fn scene_file_property(object: &Object) -> Option<String> {
         texture_source: _,
         node: _,
         visible,
+        hidden_groups,
         shape,
     } = object;
     let is_matrix = Transform {
@@ -138,6 +139,7 @@ fn scene_file_property(object: &Object) -> Option<String> {
         ("texture mapping", *mapping != TextureMapping::default()),
         ("blend-by", blend_by.is_some()),
         ("visible", !visible),
+        ("hidden-groups", hidden_groups.is_some()),
         ("shape", shape.is_some()),
     ];
     let (what, _) = said.into_iter().find(|(_, is_said)| *is_said)?;

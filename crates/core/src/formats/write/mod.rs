@@ -13,8 +13,11 @@ mod written;
 use crate::scene::{Material, Object, Scene};
 pub use mtl::MaterialLibrary;
 use parts::Parts;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 pub use written::{WriteError, Written};
 
 /// A mesh format that can be written.
@@ -54,8 +57,8 @@ impl MeshFormat {
     }
 }
 
-/// Writes the meshes of a scene's visible objects in world space, object by object in order; hidden ones are counted as
-/// lost. `library` is the name by which an OBJ refers to the file of a [`MaterialLibrary`] of the same scene, and this;
+/// Writes the meshes of a scene's visible objects in world space, object by object in order; hidden objects, and the
+/// triangles of hidden groups, are counted as lost. `library` is the name by which an OBJ refers to the file of a [`MaterialLibrary`] of the same scene, and this;
 /// without it the OBJ has no materials.
 ///
 /// A file that is read again has the same triangles in the same order, with the same corners where the format's
@@ -69,8 +72,13 @@ pub fn write_meshes(
     library: Option<(&str, &MaterialLibrary)>,
     out: &mut dyn Write,
 ) -> Result<Written, WriteError> {
-    let parts = Parts::new(scene)?;
+    let (shown, hidden) = without_hidden_groups(scene);
+    let parts = Parts::new(&shown)?;
     let mut written = parts.written();
+    if hidden > 0 {
+        let lost = format!("triangles of hidden groups ({hidden})");
+        written.lost.push(lost);
+    }
     match format {
         MeshFormat::Obj => obj::write(&parts, library, out, &mut written),
         MeshFormat::Ply { ascii } => ply::write(&parts, ascii, out, &mut written),
@@ -99,6 +107,23 @@ pub fn write_meshes(
             .push("scalars of vertices and triangles".to_owned());
     }
     Ok(written)
+}
+
+/// The scene with meshes of the triangles alone that hidden groups leave; and how many triangles of visible objects are
+/// not among these.
+fn without_hidden_groups(scene: &Scene) -> (Cow<'_, Scene>, usize) {
+    let mut shown = Cow::Borrowed(scene);
+    let mut hidden = 0;
+    for (number, object) in scene.objects.iter().enumerate() {
+        if object.visible && object.hidden().is_some() {
+            let mesh = object.mesh.subset(object.kept());
+            hidden += object.mesh.triangles().len() - mesh.triangles().len();
+            let shown = &mut shown.to_mut().objects[number];
+            shown.hide_groups(BTreeSet::new());
+            shown.mesh = Arc::new(mesh);
+        }
+    }
+    (shown, hidden)
 }
 
 /// Whether any image is part of an object's look.

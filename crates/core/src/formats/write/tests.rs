@@ -548,3 +548,68 @@ fn hidden_objects_are_left_out_and_counted() {
         assert!(summary.lost.contains(&hidden), "{name}: {:?}", summary.lost);
     }
 }
+
+#[test]
+fn triangles_of_hidden_groups_are_left_out_and_counted() {
+    let groups = |names: &[&str], of: &[u32]| {
+        let names = names.iter().map(|&name| name.to_owned()).collect();
+        Groups::of_triangles(names, of.iter().map(|&group| Some(group))).expect("all have names")
+    };
+    let scalars = |at_vertices: &[f32], at_triangles: &[f32]| {
+        let one = |name: &str, at, values: &[f32]| Scalar {
+            name: name.to_owned(),
+            at,
+            values: values.to_vec(),
+        };
+        vec![
+            one("v", ScalarAt::Vertices, at_vertices),
+            one("t", ScalarAt::Triangles, at_triangles),
+        ]
+    };
+    let whole = MeshData {
+        groups: groups(&["a", "b"], &[0, 1, 0, 1]),
+        scalars: scalars(&[1.0, 2.0, 3.0, 4.0, 5.0], &[6.0, 7.0, 8.0, 9.0]),
+        ..rich()
+    };
+    let one = |attribute: &Option<Attribute<Vec2>>, count: usize, indices: Vec<[u32; 3]>| {
+        attribute.as_ref().map(|uvs| Attribute {
+            values: uvs.values[..count].to_vec(),
+            indices: Some(indices),
+        })
+    };
+    let normals = |indices| Attribute {
+        values: vec![Vec3::Z, Vec3::X],
+        indices: Some(indices),
+    };
+    let with_a = MeshData {
+        positions: rich().positions[..3].to_vec(),
+        triangles: vec![[0, 1, 2]],
+        normals: Some(normals(vec![[0, 0, 1]])),
+        uvs: one(&rich().uvs, 3, vec![[0, 1, 2]]),
+        material_of_triangle: vec![0],
+        groups: groups(&["a"], &[0]),
+        scalars: scalars(&[1.0, 2.0, 3.0], &[6.0]),
+        ..rich()
+    };
+    let with_b = MeshData {
+        positions: rich().positions[..4].to_vec(),
+        triangles: vec![[0, 2, 3], [3, 1, 0]],
+        normals: Some(normals(vec![[1, 1, 0], [1; 3]])),
+        uvs: one(&rich().uvs, 4, vec![[2, 3, 0], [1, 2, 3]]),
+        material_of_triangle: vec![1, 0],
+        groups: groups(&["b"], &[0, 0]),
+        scalars: scalars(&[1.0, 2.0, 3.0, 4.0], &[7.0, 9.0]),
+        ..rich()
+    };
+    let mut all = scene([whole]);
+    for (hidden, left, count) in [("b", with_a, 3), ("a", with_b, 2)] {
+        all.objects[0].hide_groups([hidden.to_owned()].into());
+        let left = scene([left]);
+        for (name, format) in READ.into_iter().chain([("a.glb", MeshFormat::Glb)]) {
+            let (written, summary) = bytes(&all, format);
+            assert!(written == bytes(&left, format).0, "{name} without {hidden}");
+            let lost = format!("triangles of hidden groups ({count})");
+            assert!(summary.lost.contains(&lost), "{name}: {:?}", summary.lost);
+        }
+    }
+}

@@ -3,6 +3,7 @@
 mod camera_tests;
 mod cut_tests;
 mod file_tests;
+mod group_tests;
 mod manipulator_tests;
 mod object_tests;
 mod pick_tests;

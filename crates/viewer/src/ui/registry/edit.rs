@@ -4,13 +4,14 @@ use super::action::{Action, Menu};
 use super::chord::{alt, ctrl, ctrl_shift, plain, shift};
 use super::when::has_scene;
 use crate::state::command::Command;
+use crate::state::groups;
 use crate::state::handle::Tool;
 use crate::state::insertion::Insertion;
 use crate::state::turn::Turning;
 use crate::state::{PromptKind, State};
 use egui::Key;
 use raycast_core::glam::DAffine3;
-use raycast_core::scene::Transform;
+use raycast_core::scene::{Object, Transform};
 
 macro_rules! handles {
     ($id:literal, $name:literal, $does:literal, $tool:ident, $keys:expr) => {
@@ -88,15 +89,52 @@ pub(super) static ACTIONS: &[Action] = &[
         Menu::Edit,
         "object.show_all",
         "Show all",
-        "Show every object",
+        "Show every object, and every group of its mesh",
         &[shift(Key::H)],
         |_| Command::ShowAll,
     )
     .when(|state| {
         let document = state.document.as_ref();
-        document.is_some_and(|d| d.scene.objects.iter().any(|object| !object.visible))
+        let is_hidden = |object: &Object| !object.visible || object.hidden_groups.is_some();
+        document.is_some_and(|d| d.scene.objects.iter().any(is_hidden))
     })
-    .lacks("No object is hidden"),
+    .lacks("Nothing is hidden"),
+    Action::of(
+        Menu::Edit,
+        "group.hide",
+        "Hide group",
+        "Hide the group of the picked triangle",
+        &[ctrl(Key::H)],
+        |state| {
+            let (object, group) = picked_group(state).unwrap_or((usize::MAX, ""));
+            Command::SetGroupVisible {
+                object,
+                group: group.to_owned(),
+                visible: false,
+            }
+        },
+    )
+    .also("visibility part")
+    .when(|state| picked_group(state).is_some())
+    .lacks(NO_GROUP)
+    .apart(),
+    Action::of(
+        Menu::Edit,
+        "group.isolate",
+        "Isolate group",
+        "Show the group of the picked triangle alone; once more shows all of the object's",
+        &[ctrl(Key::I)],
+        |state| {
+            let (object, group) = picked_group(state).unwrap_or((usize::MAX, ""));
+            Command::IsolateGroup {
+                object,
+                group: group.to_owned(),
+            }
+        },
+    )
+    .also("part")
+    .when(|state| picked_group(state).is_some())
+    .lacks(NO_GROUP),
     Action::of(
         Menu::Edit,
         "object.rename",
@@ -218,6 +256,14 @@ pub(super) static ACTIONS: &[Action] = &[
 
 /// What actions on the selected object lack without one.
 const UNMARKED: &str = "No object is marked: click one in the picture or in the list";
+
+/// What actions on the picked group lack without one.
+const NO_GROUP: &str = "No triangle of a mesh with groups is picked: click one in the picture";
+
+/// The object and the group of the current pick.
+fn picked_group(state: &State) -> Option<(usize, &str)> {
+    groups::picked(state, state.picks.current()?)
+}
 
 fn has_selected(state: &State) -> bool {
     state.selected.is_some()
