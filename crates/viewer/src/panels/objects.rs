@@ -9,7 +9,10 @@ use crate::ui::format;
 use crate::ui::icons::{self, Icon};
 use crate::ui::registry::{self, action, actions};
 use crate::ui::theme;
-use egui::{Align, Button, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
+use egui::{
+    Align, Button, CollapsingHeader, Id, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui,
+    vec2,
+};
 use raycast_core::scene::{Color, ColorRule, Object};
 
 /// The most rows of the list before it scrolls: whole ones, so that none looks cut off.
@@ -194,7 +197,10 @@ fn marked(ui: &mut Ui, state: &State, number: usize, object: &Object, out: &mut 
     if let Some(shape) = object.shape.filter(|_| object.source.is_none()) {
         shape::show(ui, state, (number, shape), out);
     }
-    transform::show(ui, state, number, object, out);
+    // What is set less often than it is looked at: a click in the picture marks an object, and lists its values below.
+    CollapsingHeader::new("Place").show(ui, |ui| {
+        transform::show(ui, state, number, object, out);
+    });
     buttons(ui, state, out);
 }
 

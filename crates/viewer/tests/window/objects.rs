@@ -201,6 +201,7 @@ fn an_object_is_renamed_in_the_list() {
 fn the_marked_object_is_moved_turned_and_locked_by_numbers_and_buttons() {
     let mut harness = open_two();
     click(&mut harness, "right one");
+    click(&mut harness, "Place");
     click(&mut harness, "Move Y");
     harness.event(egui::Event::Text("1.5".to_owned()));
     harness.key_press(Key::Enter);

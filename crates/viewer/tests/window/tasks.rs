@@ -279,6 +279,7 @@ fn twenty_everyday_tasks_are_done_by_keys_clicks_and_typed_paths() {
 
     // 11: moved by a number, and by a handle; and made to move with another.
     desk.click("box");
+    desk.click("Place");
     desk.click("Move Y");
     desk.text("0.5");
     desk.key(plain, Key::Enter);

@@ -58,8 +58,8 @@ impl MeshFormat {
 }
 
 /// Writes the meshes of a scene's visible objects in world space, object by object in order; hidden objects, and the
-/// triangles of hidden groups, are counted as lost. `library` is the name by which an OBJ refers to the file of a [`MaterialLibrary`] of the same scene, and this;
-/// without it the OBJ has no materials.
+/// triangles of hidden groups, are counted as lost. `library` is the name by which an OBJ refers to the file of a
+/// [`MaterialLibrary`] of the same scene, and this; without it the OBJ has no materials.
 ///
 /// A file that is read again has the same triangles in the same order, with the same corners where the format's
 /// numbers can represent them; decimals of text are the shortest that read back as the same number.
