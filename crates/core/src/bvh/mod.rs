@@ -221,6 +221,23 @@ impl Accel {
         }
     }
 
+    /// [`Accel::corners`], where they are stored, or in `placed`. Reading numbers of a copy that was made 16 bytes at a time
+    /// waits for the stores where it reads across two of them.
+    #[inline(always)]
+    pub(crate) fn corners_in<'c>(
+        &'c self,
+        primitive: u32,
+        placed: &'c mut [Vec3; 3],
+    ) -> &'c [Vec3; 3] {
+        match self.triangles.get(primitive as usize) {
+            Some(triangle) => &triangle.corners,
+            None => {
+                *placed = self.placed_corners(primitive);
+                placed
+            }
+        }
+    }
+
     /// [`Accel::corners`].
     #[inline(always)]
     pub(crate) fn corners_of<const INSTANCES: bool>(&self, primitive: u32) -> [Vec3; 3] {

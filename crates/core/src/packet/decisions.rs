@@ -13,6 +13,7 @@ use crate::num::simd::Simd;
 use crate::triangle::clip::{AtCorners, AtEye, Clip};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
+use glam::Vec3;
 
 /// Decisions about a tree's triangles, cached.
 #[derive(Debug)]
@@ -121,20 +122,29 @@ impl<'a> Decisions<'a> {
     /// The order of two triangles along the packet's rays. All rays that hit two triangles of one plane hit the one with the
     /// lower primitive id first.
     #[inline(never)]
-    pub(super) fn order(&mut self, pair: [u32; 2]) -> PlaneOrder {
+    pub(super) fn order(&mut self, pair: [u32; 2]) -> &PlaneOrder {
         if self.precision == Precision::Fast {
-            return PlaneOrder::UNKNOWN;
+            return &PlaneOrder::UNKNOWN;
         }
         let (accel, coplanar) = (self.accel, &mut self.coplanar);
-        let corners = |primitive: u32| accel.corners(primitive);
         let [first, second] = pair;
         let is_first = accel.id(first) < accel.id(second);
         if coplanar.are_known(first, second) {
             return PlaneOrder::in_one_plane(is_first);
         }
-        self.plane_orders.order(pair, corners, || {
-            let are_coplanar = coplanar.are(first, second, corners);
-            are_coplanar.then_some(is_first)
-        })
+        if !self.plane_orders.knows(pair) {
+            let mut placed = [[Vec3::ZERO; 3]; 2];
+            let [of_first, of_second] = &mut placed;
+            let corners = [
+                accel.corners_in(first, of_first),
+                accel.corners_in(second, of_second),
+            ];
+            self.plane_orders.find(pair, corners, || {
+                let corners = |primitive: u32| accel.corners(primitive);
+                let are_coplanar = coplanar.are(first, second, corners);
+                are_coplanar.then_some(is_first)
+            });
+        }
+        self.plane_orders.order(pair)
     }
 }

@@ -107,59 +107,64 @@ impl PlaneOrder {
     }
 
     /// The order of two triangles of one plane, the first of which has the lower primitive id or not.
-    pub(super) fn in_one_plane(is_first: bool) -> Self {
-        Self {
-            in_one_plane: true,
-            ..Self::constant(if is_first { 1.0 } else { -1.0 })
+    pub(super) const fn in_one_plane(is_first: bool) -> &'static Self {
+        const fn of_one_plane(sign: f64) -> PlaneOrder {
+            PlaneOrder {
+                in_one_plane: true,
+                ..PlaneOrder::constant(sign)
+            }
         }
+        const FIRST: &PlaneOrder = &of_one_plane(1.0);
+        const SECOND: &PlaneOrder = &of_one_plane(-1.0);
+        if is_first { FIRST } else { SECOND }
     }
 
-    /// The order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
+    /// Sets the order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
     /// or with componentwise bounds. `order_if_coplanar` says whether the two lie in one plane, and whether the first is
     /// then hit first.
-    fn new(
+    #[inline(always)]
+    fn set(
+        &mut self,
         plane: &TurnedPlane,
-        [first, second]: [[Vec3; 3]; 2],
-        mut in_double: impl FnMut() -> BoundedEdges,
-        componentwise: impl FnOnce() -> BoundedEdges,
+        edges: &mut PairEdges<'_>,
         order_if_coplanar: impl FnOnce() -> Option<bool>,
-    ) -> Self {
-        let in_plane = || order_if_coplanar().map(Self::in_one_plane);
+    ) {
+        *self = Self::UNKNOWN;
         let Some(plane) = plane else {
-            return in_plane().unwrap_or(Self::UNKNOWN);
+            if let Some(is_first) = order_if_coplanar() {
+                *self = *Self::in_one_plane(is_first);
+            }
+            return;
         };
-        // Exactly zero for a corner that both have, of which the bound would leave nothing sure where the hits are next to it.
-        let [a, b, c] = second.map(|corner| first.contains(&corner));
-        let unless_shared = |is_shared: bool, distance: (f64, f64)| match is_shared {
-            true => (0.0, 0.0),
-            false => distance,
-        };
-        let [p, q, r] = second;
-        let distances = [
-            unless_shared(a, plane.distance(p)),
-            unless_shared(b, plane.distance(q)),
-            unless_shared(c, plane.distance(r)),
-        ];
-        let order = Self::by_distances(distances, &mut in_double);
+        let [p, q, r] = *edges.corners[1];
+        let distances = [plane.distance(p), plane.distance(q), plane.distance(r)];
+        let distances = unless_shared(edges.corners, distances);
+        let order = Self::by_distances(distances, || edges.in_double());
         if order.is_accurate() {
-            return order;
+            *self = order;
+            return;
         }
         let may_lie_in_plane =
             (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST_SURE);
-        if may_lie_in_plane && let Some(order) = in_plane() {
-            return order;
+        if may_lie_in_plane && let Some(is_first) = order_if_coplanar() {
+            *self = *Self::in_one_plane(is_first);
+            return;
         }
-        let closer = |corner| plane.distance_in_double_double(first, corner);
-        let distances = [
-            unless_shared(a, closer(p)),
-            unless_shared(b, closer(q)),
-            unless_shared(c, closer(r)),
-        ];
-        let closer = Self::by_distances(distances, &mut in_double);
+        *self = Self::closer(plane, edges);
+    }
+
+    /// The same where double precision does not decide it.
+    #[inline(never)]
+    fn closer(plane: &Plane, edges: &mut PairEdges<'_>) -> Self {
+        let [first, second] = edges.corners;
+        let distance = |corner| plane.distance_in_double_double(*first, corner);
+        let distances = unless_shared(edges.corners, second.map(distance));
+        let closer = Self::by_distances(distances, || edges.in_double());
         if closer.is_accurate() {
             return closer;
         }
-        let closest = Self::by_distances(distances, componentwise);
+        let componentwise = edges.space.edges_componentwise(*edges.corners[1]);
+        let closest = Self::by_distances(distances, || &componentwise);
         if closest.uncertainty() < closer.uncertainty() {
             closest
         } else {
@@ -179,7 +184,11 @@ impl PlaneOrder {
 
     /// The order by the distances of the second triangle's corners from the plane, each with its error; and by its edge
     /// functions where those have no common sign.
-    fn by_distances(distances: [(f64, f64); 3], edges: impl FnOnce() -> BoundedEdges) -> Self {
+    #[inline(always)]
+    fn by_distances<'e>(
+        distances: [(f64, f64); 3],
+        edges: impl FnOnce() -> &'e BoundedEdges,
+    ) -> Self {
         let are_all = |sign: f64| {
             let mut all = distances.iter();
             all.all(|(distance, error)| distance * sign > error + LEAST_SURE)
@@ -194,7 +203,7 @@ impl PlaneOrder {
         };
         let mut function = Linear::ZERO;
         let mut error = 0.0;
-        for ((distance, distance_error), (edge, edge_error)) in distances.into_iter().zip(edges) {
+        for ((distance, distance_error), (edge, edge_error)) in distances.into_iter().zip(*edges) {
             function.constant += distance * edge.constant;
             function.x += distance * edge.x;
             function.y += distance * edge.y;
@@ -259,6 +268,35 @@ impl PlacesWithin {
     }
 }
 
+/// Distances of the second triangle's corners from the plane of the first, each with its error: exactly zero for a corner
+/// that both have, of which the bound would leave nothing sure where the hits are next to it.
+#[inline(always)]
+fn unless_shared([first, second]: [&[Vec3; 3]; 2], [p, q, r]: [(f64, f64); 3]) -> [(f64, f64); 3] {
+    let [a, b, c] = second;
+    let of = |corner, distance| match first.contains(corner) {
+        true => (0.0, 0.0),
+        false => distance,
+    };
+    [of(a, p), of(b, q), of(c, r)]
+}
+
+/// Two triangles, and the edge functions of the second.
+struct PairEdges<'p> {
+    space: &'p PacketSpace,
+    packet: u32,
+    corners: [&'p [Vec3; 3]; 2],
+    second: u32,
+    known: &'p mut Cached<u32, BoundedEdges>,
+}
+
+impl PairEdges<'_> {
+    fn in_double(&mut self) -> &BoundedEdges {
+        let Self { space, corners, .. } = self;
+        let edges = || space.edges_in_double(*corners[1]);
+        self.known.get(self.second, self.packet, edges)
+    }
+}
+
 /// The orders of pairs of triangles along the rays of a packet.
 #[derive(Debug)]
 pub(super) struct PlaneOrders {
@@ -284,13 +322,12 @@ struct Cached<K, V> {
 
 impl<K: PartialEq, V> Cached<K, V> {
     /// What is known, or what `find` says.
+    #[inline(always)]
     fn get(&mut self, of: K, packet: u32, find: impl FnOnce() -> V) -> &V {
         if self.of != of || self.packet != packet {
-            *self = Self {
-                known: find(),
-                of,
-                packet,
-            };
+            self.known = find();
+            self.of = of;
+            self.packet = packet;
         }
         &self.known
     }
@@ -317,14 +354,31 @@ impl PlaneOrders {
         self.packet = self.packet.wrapping_add(1);
     }
 
-    /// The order of two triangles. `corners` gives those of a primitive index; `order_if_coplanar` says whether the two lie in
-    /// one plane, and whether the first is then hit first.
-    pub(super) fn order(
+    /// Whether the order of two triangles is known.
+    #[inline(always)]
+    pub(super) fn knows(&self, pair: [u32; 2]) -> bool {
+        let order = self.orders.get(entry(pair));
+        order.is_some_and(|order| order.of == pair && order.packet == self.packet)
+    }
+
+    /// The order of two triangles, if it is known.
+    #[inline(always)]
+    pub(super) fn order(&self, pair: [u32; 2]) -> &PlaneOrder {
+        match self.orders.get(entry(pair)) {
+            Some(order) if self.knows(pair) => &order.known,
+            _ => &PlaneOrder::UNKNOWN,
+        }
+    }
+
+    /// Finds the order of two triangles. `order_if_coplanar` says whether the two lie in one plane, and whether the first is
+    /// then hit first.
+    #[inline(always)]
+    pub(super) fn find(
         &mut self,
         pair: [u32; 2],
-        corners: impl Fn(u32) -> [Vec3; 3],
+        corners: [&[Vec3; 3]; 2],
         order_if_coplanar: impl FnOnce() -> Option<bool>,
-    ) -> PlaneOrder {
+    ) {
         let Self {
             space: Some(space),
             packet,
@@ -333,7 +387,7 @@ impl PlaneOrders {
             orders,
         } = self
         else {
-            return PlaneOrder::UNKNOWN;
+            return;
         };
         if orders.is_empty() {
             let no_plane = Cached {
@@ -350,24 +404,26 @@ impl PlaneOrders {
             orders.resize(CACHED, no_order);
         }
         let [first, second] = pair;
-        // Multiplied, so that neighbours of two triangles that are neighbours have entries of their own.
-        let entry = first.wrapping_mul(5).wrapping_add(second) as usize % CACHED;
-        let order = orders[entry].get(pair, *packet, || {
-            let [of_first, of_second] = pair.map(&corners);
-            let plane =
-                planes[first as usize % CACHED].get(first, *packet, || turned(space, of_first));
-            let in_double = || *edges.get(second, *packet, || space.edges_in_double(of_second));
-            let componentwise = || space.edges_componentwise(of_second);
-            PlaneOrder::new(
-                plane,
-                [of_first, of_second],
-                in_double,
-                componentwise,
-                order_if_coplanar,
-            )
-        });
-        *order
+        let plane = &mut planes[first as usize % CACHED];
+        let plane = plane.get(first, *packet, || turned(space, *corners[0]));
+        let mut edges = PairEdges {
+            space,
+            packet: *packet,
+            corners,
+            second,
+            known: edges,
+        };
+        let order = &mut orders[entry(pair)];
+        order.of = pair;
+        order.packet = *packet;
+        order.known.set(plane, &mut edges, order_if_coplanar);
     }
+}
+
+/// The place of two triangles' order among those that are known: multiplied, so that neighbours of two triangles that are
+/// neighbours have entries of their own.
+fn entry([first, second]: [u32; 2]) -> usize {
+    first.wrapping_mul(5).wrapping_add(second) as usize % CACHED
 }
 
 #[cfg(test)]

@@ -52,6 +52,19 @@ fn is_decided(order: [u32; 2], truth: Ordering) -> bool {
     true
 }
 
+fn of_pair<'o>(
+    orders: &'o mut PlaneOrders,
+    pair: [u32; 2],
+    triangles: &[[Vec3; 3]],
+) -> &'o PlaneOrder {
+    if !orders.knows(pair) {
+        orders.find(pair, pair.map(|number| &triangles[number as usize]), || {
+            None
+        });
+    }
+    orders.order(pair)
+}
+
 /// Orders are those of exact arithmetic, for rays and for cells.
 #[test]
 fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
@@ -73,7 +86,6 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
             let space = space(&camera, DVec3::ZERO, Cull::None);
             let mut orders = PlaneOrders::new();
             orders.set_rays(&space);
-            let corners = |primitive: u32| pair[primitive as usize];
             let triangle = pair.map(|corners| OffsetTriangle {
                 corners,
                 origin: DVec3::ZERO,
@@ -88,7 +100,7 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
                 let Some(truth) = truth else { continue };
                 hits += 1;
                 let places = (&[x as f32; LANES], &[y as f32; LANES]);
-                let [first, second] = orders.order([0, 1], corners, || None).of_eight(places);
+                let [first, second] = of_pair(&mut orders, [0, 1], &pair).of_eight(places);
                 assert!(first & second == 0);
                 assert!(first == 0 || truth == Ordering::Less, "{pair:?} {x} {y}");
                 assert!(
@@ -98,7 +110,7 @@ fn pairs_a_rounding_apart_are_ordered_as_exact_arithmetic_orders_them() {
                 decided += u32::from(first | second != 0);
                 let cell = y as usize / ROW * CELLS + x as usize / ROW;
                 let within = PlacesWithin::of_cell(cell);
-                let order = orders.order([0, 1], corners, || None).within(&within);
+                let order = of_pair(&mut orders, [0, 1], &pair).within(&within);
                 if let Some(order) = order {
                     assert_eq!(truth, order, "{pair:?} {cell}");
                     cells += 1;
@@ -157,9 +169,7 @@ fn planes_next_to_the_eye_are_ordered_as_exact_arithmetic_orders_them() {
             };
             hits += 1;
             let places = (&[place as f32; LANES], &[place as f32; LANES]);
-            let order = orders
-                .order([0, 1], |primitive| pair[primitive as usize], || None)
-                .of_eight(places);
+            let order = of_pair(&mut orders, [0, 1], &pair).of_eight(places);
             decided += u32::from(is_decided(order, truth));
         }
     }
@@ -196,9 +206,7 @@ fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
         for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
             let [first, second] = pair.map(triangle);
             let truth = exact::compare(&ray, &first, &second, Cull::None);
-            let order = orders
-                .order(pair, |triangle| triangles[triangle as usize], || None)
-                .of_eight(places);
+            let order = of_pair(&mut orders, pair, &triangles).of_eight(places);
             pairs += 1;
             let truth = truth.expect("both are hit");
             decided += u32::from(is_decided(order, truth));
@@ -224,19 +232,32 @@ fn places_in_single_precision_do_not_decide_across_a_crossing() {
     };
     // Distances of 1, −1 and 0 from the plane z = 0, and edge functions whose difference is x − crossing.
     let first = [Vec3::ZERO, Vec3::X, Vec3::Y];
-    let plane = Plane::new(first);
     let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
     let edges = [edge(1.0, 0.0), edge(0.0, crossing), edge(0.0, 1.0)];
-    let order = PlaneOrder::new(
-        &Some(plane),
-        [first, corners],
-        || off_by(edges, 0.0),
-        || None,
-        || None,
-    );
+    let order = by_edges([&first, &corners], off_by(edges, 0.0));
     let of = |x: f64| order.of_eight((&[x as f32; LANES], &[0.0; LANES]));
     assert_eq!(of(place), [0, 0]);
     assert_eq!([of(18.0), of(16.0)], [[0xff, 0], [0, 0xff]]);
+}
+
+/// The order of two triangles, the second of which has these edge functions in double precision.
+fn by_edges(corners: [&[Vec3; 3]; 2], edges: BoundedEdges) -> PlaneOrder {
+    let camera = camera(&mut Random(79), DVec3::ZERO, Projection::Perspective, 0.01);
+    let mut known = Cached {
+        of: 1,
+        packet: 0,
+        known: edges,
+    };
+    let mut edges = PairEdges {
+        space: &space(&camera, DVec3::ZERO, Cull::None),
+        packet: 0,
+        corners,
+        second: 1,
+        known: &mut known,
+    };
+    let mut order = PlaneOrder::UNKNOWN;
+    order.set(&Some(Plane::new(*corners[0])), &mut edges, || None);
+    order
 }
 
 fn off_by(edges: [Linear; 3], error: f64) -> BoundedEdges {
@@ -259,18 +280,10 @@ fn signs(order: &PlaneOrder) -> [u32; 2] {
 #[test]
 fn sums_within_the_error_of_edge_functions_decide_nothing() {
     let first = [Vec3::ZERO, Vec3::X, Vec3::Y];
-    let plane = Plane::new(first);
     let corners = [Vec3::Z, -Vec3::Z, Vec3::ZERO];
     let of = |more: f64| {
         let edges = [constant(1.0 + more), constant(1.0), constant(1.0)];
-        let edges = off_by(edges, 1e-9);
-        signs(&PlaneOrder::new(
-            &Some(plane),
-            [first, corners],
-            || edges,
-            || None,
-            || None,
-        ))
+        signs(&by_edges([&first, &corners], off_by(edges, 1e-9)))
     };
     assert_eq!([of(1.9e-9), of(-1.9e-9)], [[0; 2]; 2]);
     assert_eq!([of(2.1e-9), of(-2.1e-9)], [[0xff, 0], [0, 0xff]]);
@@ -289,9 +302,9 @@ fn corners_within_rounding_of_a_plane_decide_nothing() {
         let plane = Plane::new(first);
         let corners = [at(2.0, -3.0), at(-1.0, 3.0), at(3.0, 2.0)];
         let edges = off_by([constant(1.0), constant(2.0), constant(0.5)], 0.0);
-        let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), || edges);
+        let order = PlaneOrder::by_distances(corners.map(|c| plane.distance(c)), || &edges);
         assert_eq!(signs(&order), [0, 0], "{a} {b} {c}");
-        let wide = PlaneOrder::new(&Some(plane), [first, corners], || edges, || None, || None);
+        let wide = by_edges([&first, &corners], edges);
         assert_eq!(signs(&wide), [0, 0], "{a} {b} {c}");
         rounded += u32::from(order.function.constant != 0.0);
     }
@@ -305,13 +318,9 @@ fn orders_of_another_packet_are_forgotten() {
         [Vec3::ZERO, Vec3::X, Vec3::Y],
         [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + Vec3::Z],
     ];
-    let corners = |primitive: u32| pair[primitive as usize];
     let places = (&[0.0; LANES], &[0.0; LANES]);
     let mut orders = PlaneOrders::new();
-    assert_eq!(
-        orders.order([0, 1], corners, || None).of_eight(places),
-        [0, 0]
-    );
+    assert_eq!(of_pair(&mut orders, [0, 1], &pair).of_eight(places), [0, 0]);
     for _ in 0..40 {
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.01);
         orders.set_rays(&space(&camera, DVec3::ZERO, Cull::None));
@@ -321,7 +330,7 @@ fn orders_of_another_packet_are_forgotten() {
             _ => continue,
         };
         assert_eq!(
-            orders.order([0, 1], corners, || None).of_eight(places),
+            of_pair(&mut orders, [0, 1], &pair).of_eight(places),
             expected
         );
     }
