@@ -127,3 +127,46 @@ impl Groups {
         Self::of_triangles(names, groups).unwrap_or_default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Color, MeshData};
+    use super::*;
+    use glam::{DVec3, Vec2, Vec3};
+
+    #[test]
+    fn what_belongs_to_vertices_and_edges_is_renumbered_with_them() {
+        let mut diagonals = Diagonals::of(3);
+        diagonals.set(0, [true, false, false]);
+        diagonals.set(2, [false, true, true]);
+        let number = |n: u8| f32::from(n);
+        let mesh = Mesh::new(MeshData {
+            positions: (0..5)
+                .map(|n| DVec3::from(Vec3::new(number(n), number(n * n), 1.0)))
+                .collect(),
+            triangles: vec![[0, 1, 2], [1, 2, 3], [4, 2, 1]],
+            normals: Some(Attribute {
+                values: (0..5).map(|n| Vec3::X * number(n)).collect(),
+                indices: None,
+            }),
+            // A list that is too short lacks those of the last vertex.
+            uvs: Some(Attribute {
+                values: (0..4).map(|n| Vec2::Y * number(n)).collect(),
+                indices: None,
+            }),
+            colors: (0..5).map(|n| Some(Color([n; 3]))).collect(),
+            diagonals,
+            ..MeshData::default()
+        });
+        let subset = mesh.subset(&[1, 2]);
+        assert_eq!((subset.kept().len(), subset.positions().len()), (2, 4));
+        for (new, old) in [(0, 1), (1, 2)] {
+            assert_eq!(subset.corners(new), mesh.corners(old));
+            assert_eq!(subset.corner_normals(new), mesh.corner_normals(old));
+            assert_eq!(subset.corner_uvs(new), mesh.corner_uvs(old));
+            assert_eq!(subset.corner_colors(new), mesh.corner_colors(old));
+            assert_eq!(subset.diagonals().on(new), mesh.diagonals().on(old));
+        }
+        assert!(mesh.corner_uvs(1).is_some() && mesh.corner_uvs(2).is_none());
+    }
+}
