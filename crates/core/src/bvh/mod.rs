@@ -221,8 +221,8 @@ impl Accel {
         }
     }
 
-    /// [`Accel::corners`], where they are stored, or in `placed`. Reading numbers of a copy that was made 16 bytes at a time
-    /// waits for the stores where it reads across two of them.
+    /// [`Accel::corners`] by reference: where they are stored, or in `placed`. A copy is stored 16 bytes at a time, and a
+    /// load that spans two of these stores waits until both have reached the cache.
     #[inline(always)]
     pub(crate) fn corners_in<'c>(
         &'c self,

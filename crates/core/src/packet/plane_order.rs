@@ -420,8 +420,8 @@ impl PlaneOrders {
     }
 }
 
-/// The place of two triangles' order among those that are known: multiplied, so that neighbours of two triangles that are
-/// neighbours have entries of their own.
+/// The cache index of a pair. Multiplied, so that neighbours of two triangles that are neighbours have entries of their
+/// own.
 fn entry([first, second]: [u32; 2]) -> usize {
     first.wrapping_mul(5).wrapping_add(second) as usize % CACHED
 }

@@ -70,8 +70,9 @@ impl Object {
 
     /// Hides the groups of these names and no others. The empty name is that of triangles in no group.
     pub fn hide_groups(&mut self, names: BTreeSet<String>) {
-        let hide = || Arc::new(HiddenGroups::new(Arc::clone(&self.mesh), names.clone()));
-        self.hidden_groups = (!names.is_empty()).then(hide);
+        let is_any = !names.is_empty();
+        self.hidden_groups =
+            is_any.then(|| Arc::new(HiddenGroups::new(Arc::clone(&self.mesh), names)));
     }
 
     /// Replaces its mesh, in which groups of the same names are hidden.

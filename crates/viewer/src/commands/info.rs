@@ -74,7 +74,7 @@ struct ObjectInfo {
 struct GroupInfo {
     name: String,
     /// Whether the scene file hides it.
-    #[serde(skip_serializing_if = "is_not")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     hidden: bool,
     triangles: usize,
 }
@@ -204,10 +204,6 @@ impl From<&Object> for ObjectInfo {
             health: None,
         }
     }
-}
-
-fn is_not(flag: &bool) -> bool {
-    !flag
 }
 
 fn groups(object: &Object) -> Vec<GroupInfo> {

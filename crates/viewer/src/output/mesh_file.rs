@@ -57,7 +57,7 @@ impl MeshFile {
             !object.visible || object.hidden_groups.is_some() && object.kept().is_empty()
         };
         if scene.objects.iter().all(is_all_hidden) {
-            let reason = "every object is hidden";
+            let reason = "everything is hidden";
             return Err(self.cannot(&reason));
         }
         let library = match self.format {

@@ -109,6 +109,9 @@ fn object_row(
                 if state.is_locked(number) && padlock(ui, &format!("Unlock {}", object.name)) {
                     out.push(Command::SetLocked(number, false));
                 }
+                if let Some(hidden) = &object.hidden_groups {
+                    hides_groups(ui, hidden.names().len());
+                }
                 let room = vec2(ui.available_width(), 0.0);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                     let color = if object.visible {
@@ -157,6 +160,19 @@ fn padlock(ui: &mut Ui, spoken: &str) -> bool {
     icons::paint(ui.painter(), rect.center(), Icon::Lock, 12.0, color);
     let hint = format!("{spoken}: it is kept as it is");
     response.on_hover_text(hint).clicked()
+}
+
+/// A closed eye for an object of which only groups are hidden.
+fn hides_groups(ui: &mut Ui, count: usize) {
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, 16.0), Sense::hover());
+    let text = match count {
+        1 => "A group of it is hidden".to_owned(),
+        _ => format!("{} groups of it are hidden", format::count(count as u64)),
+    };
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+    let color = theme::colors(ui).quiet;
+    icons::paint(ui.painter(), rect.center(), Icon::EyeClosed, 12.0, color);
+    response.on_hover_text(text);
 }
 
 /// A field for a name. Enter, or leaving it, accepts the name; Esc cancels.

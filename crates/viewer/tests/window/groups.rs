@@ -34,6 +34,7 @@ fn groups_are_listed_hidden_by_their_eyes_and_shown_alone_by_a_click() {
     click(&mut harness, "Hide lid");
     assert_eq!(kept(&harness), [1]);
     harness.get_by_label("Groups (2, 1 hidden)");
+    harness.get_by_label("A group of it is hidden");
     click(&mut harness, "Show lid");
     assert_eq!(kept(&harness), [0, 1]);
     click(&mut harness, "In no group");

@@ -106,16 +106,16 @@ pub(super) static ACTIONS: &[Action] = &[
         "Hide the group of the picked triangle",
         &[ctrl(Key::H)],
         |state| {
-            let (object, group) = picked_group(state).unwrap_or((usize::MAX, ""));
+            let (object, group) = group(state);
             Command::SetGroupVisible {
                 object,
-                group: group.to_owned(),
+                group,
                 visible: false,
             }
         },
     )
     .also("visibility part")
-    .when(|state| picked_group(state).is_some())
+    .when(has_group)
     .lacks(NO_GROUP)
     .apart(),
     Action::of(
@@ -125,15 +125,12 @@ pub(super) static ACTIONS: &[Action] = &[
         "Show the group of the picked triangle alone; once more shows all of the object's",
         &[ctrl(Key::I)],
         |state| {
-            let (object, group) = picked_group(state).unwrap_or((usize::MAX, ""));
-            Command::IsolateGroup {
-                object,
-                group: group.to_owned(),
-            }
+            let (object, group) = group(state);
+            Command::IsolateGroup { object, group }
         },
     )
     .also("part")
-    .when(|state| picked_group(state).is_some())
+    .when(has_group)
     .lacks(NO_GROUP),
     Action::of(
         Menu::Edit,
@@ -263,6 +260,18 @@ const NO_GROUP: &str = "No triangle of a mesh with groups is picked: click one i
 /// The object and the group of the current pick.
 fn picked_group(state: &State) -> Option<(usize, &str)> {
     groups::picked(state, state.picks.current()?)
+}
+
+fn has_group(state: &State) -> bool {
+    picked_group(state).is_some()
+}
+
+/// The picked group; actions on it apply only if there is one.
+fn group(state: &State) -> (usize, String) {
+    let picked = picked_group(state);
+    picked.map_or((usize::MAX, String::new()), |(object, name)| {
+        (object, name.to_owned())
+    })
 }
 
 fn has_selected(state: &State) -> bool {
