@@ -14,6 +14,7 @@ use crate::camera::{Camera, Lattice};
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{Lanes, Work, dispatch};
+use crate::ray::Ray;
 use crate::single::{self, Clipped};
 use crate::triangle::BoundedHit;
 use crate::triangle::clip::Clip;
@@ -233,7 +234,12 @@ impl Find<'_> {
                 }
                 let rivals = zbuffer.rivals(row, column);
                 let (column, row) = (packet.column + column, packet.row + row);
-                let primitive = self.cast_one(column, row, rivals);
+                let ray = self.lattice.ray(column, row);
+                let same = match rivals {
+                    Some(_) => None,
+                    None => self.same_as_neighbor(packet, (column, row), &ray),
+                };
+                let primitive = same.unwrap_or_else(|| self.cast_one(&ray, rivals));
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
                 // The ray was counted as a hit.
                 self.counts.hits -= u64::from(primitive == MISS);
@@ -241,11 +247,25 @@ impl Find<'_> {
         }
     }
 
+    /// What the ray to the left or above hits, where it is the same: rays closer together than roundings are.
+    fn same_as_neighbor(
+        &self,
+        packet: &RayRect,
+        (column, row): (u32, u32),
+        ray: &Ray,
+    ) -> Option<u32> {
+        let left = (column > packet.column).then(|| (column - 1, row));
+        let above = (row > packet.row).then(|| (column, row - 1));
+        let mut neighbors = left.into_iter().chain(above);
+        let (column, row) =
+            neighbors.find(|&(column, row)| self.lattice.ray(column, row) == *ray)?;
+        Some(self.primitives[(row * self.lattice.columns + column) as usize])
+    }
+
     /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals; without
     /// rivals it traverses the tree.
-    fn cast_one(&mut self, column: u32, row: u32, rivals: Option<&[(u32, u32)]>) -> u32 {
-        let ray = self.lattice.ray(column, row);
-        let Some(ray) = (self.accel).prepare(&ray, self.cull, self.precision) else {
+    fn cast_one(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
+        let Some(ray) = (self.accel).prepare(ray, self.cull, self.precision) else {
             return MISS;
         };
         let nearest = match rivals {
@@ -275,7 +295,7 @@ impl Find<'_> {
     fn cast_each(&mut self, rect: &RayRect) {
         for row in rect.row..rect.row + rect.rows {
             for column in rect.column..rect.column + rect.columns {
-                let primitive = self.cast_one(column, row, None);
+                let primitive = self.cast_one(&self.lattice.ray(column, row), None);
                 self.counts.hits += u64::from(primitive != MISS);
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
             }

@@ -1,6 +1,7 @@
 //! Planes that pass the eye more closely than roundings in double precision, and planes that parallel rays run along except
 //! for rounding: packets find what single rays find, and leave few rays to them.
 
+use super::CastCounts;
 use super::around_tests::accel;
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Panorama, Pose, Projection};
@@ -13,7 +14,12 @@ fn least() -> f64 {
     f64::from(f32::from_bits(1))
 }
 
-fn camera(eye: DVec3, towards: DVec3, projection: Projection, plane: ImagePlane) -> Camera {
+pub(super) fn camera(
+    eye: DVec3,
+    towards: DVec3,
+    projection: Projection,
+    plane: ImagePlane,
+) -> Camera {
     let target = eye + towards;
     let up = towards.any_orthonormal_vector();
     Camera::new(Pose { eye, target, up }, projection, plane)
@@ -22,10 +28,12 @@ fn camera(eye: DVec3, towards: DVec3, projection: Projection, plane: ImagePlane)
 /// Casts 48 × 40 rays; returns how many hit something, and how many were left to single rays.
 fn check(accel: &Accel, eye: DVec3, towards: DVec3, projection: Projection) -> (usize, u64) {
     let plane = ImagePlane::new(48, 40, 0.02).expect("a good plane");
-    check_from(accel, &camera(eye, towards, projection, plane))
+    let (hits, counts) = check_from(accel, &camera(eye, towards, projection, plane));
+    (hits, counts.double_rays + counts.exact_rays)
 }
 
-fn check_from(accel: &Accel, camera: &Camera) -> (usize, u64) {
+/// Casts a camera's rays; returns how many hit something.
+pub(super) fn check_from(accel: &Accel, camera: &Camera) -> (usize, CastCounts) {
     let lattice = camera.whole().lattice();
     let mut primitives = Vec::new();
     let counts = accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
@@ -35,7 +43,7 @@ fn check_from(accel: &Accel, camera: &Camera) -> (usize, u64) {
         assert_eq!(primitive, truth.primitive, "{ray:?}");
     }
     let hits = primitives.iter().filter(|&&primitive| primitive != MISS);
-    (hits.count(), counts.double_rays + counts.exact_rays)
+    (hits.count(), counts)
 }
 
 /// Triangles of the plane z = x with corners on a grid, of which many have a corner or an edge below the eye.

@@ -50,6 +50,8 @@ mod cast_tests;
 mod clip_tests;
 #[cfg(test)]
 mod close_planes_tests;
+#[cfg(test)]
+mod close_rays_tests;
 mod componentwise_setup;
 mod counts;
 mod decisions;

@@ -62,8 +62,16 @@ impl Rivals {
         sure_hit.filter(|&primitive| primitive != MISS)
     }
 
+    /// Records that any triangle may be any ray's closest hit.
+    pub(super) fn forget(&mut self) {
+        self.overflowed = true;
+    }
+
     /// Sorts the pairs by ray, as [`Rivals::of`] needs them.
     pub(super) fn sort(&mut self) {
+        if self.overflowed {
+            return;
+        }
         self.pairs.sort_unstable();
         self.pairs.dedup();
     }

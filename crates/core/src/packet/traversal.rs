@@ -214,7 +214,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         observer: &mut impl Observer,
     ) -> bool {
         let of_large = self.reference;
-        'packet: loop {
+        let begun = 'packet: loop {
             let space = self.space(packet, cull);
             let nearest = self.pairs.first().map_or(0.0, |pair| pair.near);
             let projector = CornerProjector::new(&space, nearest);
@@ -259,10 +259,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                     }
                 }
                 if self.queued.len == 0 {
-                    if self.reference.is_plane() {
-                        self.reference = of_large;
-                    }
-                    return begun;
+                    break 'packet begun;
                 }
                 let corners = self
                     .accel
@@ -273,6 +270,10 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 self.counts.triangles += primitives.len() as u64;
                 observer.set_up(primitives);
                 self.queued.len = 0;
+                if zbuffer.wants_single_rays() && self.decisions.are_exact() {
+                    zbuffer.leave_all_undecided();
+                    break 'packet begun;
+                }
                 if zbuffer.has_overflowed() && self.shorten_unit(&self.lattice.camera) {
                     continue 'packet;
                 }
@@ -284,7 +285,11 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 descent.merged_small = false;
                 descent.limits = self.limits(lanes, zbuffer);
             }
+        };
+        if self.reference.is_plane() {
+            self.reference = of_large;
         }
+        begun
     }
 
     /// Descends until eight triangles are reached, or until the queued triangles should be set up first.

@@ -495,6 +495,7 @@ impl IntervalZBuffer {
             for i in left..=right {
                 if functions.may_be_hit_at(i as f32 - column as f32, j as f32 - row as f32) {
                     let ray = j * SIDE + i;
+                    self.marks += 1;
                     self.high[ray] = f32::INFINITY;
                     self.leave_ray_undecided(ray, functions.primitive);
                     // Hi-z stays as it is, but the cell's sure hits are no longer its rays' closest hits.

@@ -75,6 +75,29 @@ fn edges_within_their_error_are_undecided() {
     }
 }
 
+/// Ill-conditioned triangles that any ray may hit: after so many of them the rays are left to be cast one by one, and all are
+/// undecided.
+#[test]
+fn many_ill_conditioned_triangles_leave_all_rays_undecided() {
+    let mut zbuffer = IntervalZBuffer::new();
+    let functions = flat(0.125, [1.0, 0.0, 0.0]);
+    let (half, all) = ((0, SIDE / 2 - 1), (0, SIDE - 1));
+    for _ in 0..2 {
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
+        for _ in 0..2 * MANY_MARKS / RAYS {
+            zbuffer.mark_undecided(&functions, (0, 0), half, all);
+            assert!(!zbuffer.wants_single_rays());
+        }
+        zbuffer.mark_undecided(&functions, (0, 0), half, all);
+        assert!(zbuffer.wants_single_rays());
+        assert_eq!(undecided(&zbuffer), RAYS / 2);
+        assert!(zbuffer.rivals(0, 0).is_some());
+        zbuffer.leave_all_undecided();
+        assert_eq!(undecided(&zbuffer), RAYS);
+        assert_eq!(zbuffer.rivals(0, 0), None);
+    }
+}
+
 /// A cell is occluded only where all its rays surely have a nearer hit: by the greatest depth key of the triangle in
 /// the cell, plus the error bound.
 #[test]
