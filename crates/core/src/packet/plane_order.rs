@@ -44,6 +44,9 @@ const ACCURATE: f64 = 1.0 / (1u64 << 16) as f64;
 /// planes that a few cells show evict one another; with four times as many nothing is gained.
 const CACHED: usize = 64;
 
+/// Eight rays, as bits.
+const ALL: u32 = (1 << LANES) - 1;
+
 /// A triangle's plane, its normal turned to the side that rays go to; `None` where it is not sure how rays cross it.
 type TurnedPlane = Option<Plane>;
 
@@ -233,6 +236,27 @@ impl PlaneOrder {
             second |= u32::from(value < -self.error) << lane;
         }
         [first, second]
+    }
+
+    /// [`PlaneOrder::of_eight`] for eight neighbours in a row of a lattice, the first of which is at this place.
+    pub(super) fn of_row(&self, (column, row): (f64, f64)) -> [u32; 2] {
+        let Linear { constant, x, y } = self.function;
+        let from = constant + y * row;
+        let value = |lane: usize| from + x * (column + lane as f64);
+        // Roundings are monotonic: values between two that are sure are sure.
+        let (first, last) = (value(0), value(LANES - 1));
+        if first > self.error && last > self.error {
+            return [ALL, 0];
+        }
+        if first < -self.error && last < -self.error {
+            return [0, ALL];
+        }
+        let [mut nearer, mut further] = [0; 2];
+        for lane in 0..LANES {
+            nearer |= u32::from(value(lane) > self.error) << lane;
+            further |= u32::from(value(lane) < -self.error) << lane;
+        }
+        [nearer, further]
     }
 
     /// Which of the two is surely nearer for all rays of a box of places that hit both: `Less` for the first.

@@ -18,7 +18,7 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
-use crate::packet::plane_order::PlacesWithin;
+use crate::packet::plane_order::{PlacesWithin, PlaneOrder};
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::PacketSpace;
 use crate::packet::triangles_at_places::SmallTriangle;
@@ -163,7 +163,8 @@ impl IntervalZBuffer {
                 let sides = Some((inside, outside));
                 let undecided = merge.row(lanes, near, sides, low, high, primitives);
                 if undecided.rays != 0 {
-                    self.leave_undecided(primitive, undecided, (first, (x, y)), decisions);
+                    let of_eight = |order: &PlaneOrder| order.of_eight((x, y));
+                    self.leave_undecided((primitive, first), undecided, of_eight, decisions);
                 }
                 self.dirty |= 1 << cell;
             }
@@ -293,8 +294,8 @@ impl IntervalZBuffer {
             let (low, high, primitives) = self.rays_of_row(first);
             let undecided = merge.row(lanes, near, Some((inside, outside)), low, high, primitives);
             if undecided.rays != 0 {
-                let at = (first, (x, y));
-                self.leave_undecided(merge.primitive, undecided, at, decisions);
+                let of_eight = |order: &PlaneOrder| order.of_eight((x, y));
+                self.leave_undecided((merge.primitive, first), undecided, of_eight, decisions);
             }
         }
     }
@@ -317,8 +318,8 @@ impl IntervalZBuffer {
             let near = value(lanes, functions.depth_key, (lanes.load(x), lanes.load(y)));
             let undecided = merge.row(lanes, near, None, low, high, primitives);
             if undecided.rays != 0 {
-                let at = (first, (x, y));
-                self.leave_undecided(merge.primitive, undecided, at, decisions);
+                let of_eight = |order: &PlaneOrder| order.of_eight((x, y));
+                self.leave_undecided((merge.primitive, first), undecided, of_eight, decisions);
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
 use crate::packet::decisions::Decisions;
 use crate::packet::params::{CELLS, COLUMNS, ROW, SIDE};
-use crate::packet::plane_order::PlacesWithin;
+use crate::packet::plane_order::{PlacesWithin, PlaneOrder};
 use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{PacketSpace, TriangleSetup};
 use crate::triangle::CornerLanes;
@@ -391,10 +391,9 @@ impl IntervalZBuffer {
         } else {
             undecided
         };
-        let (column, row) = ((first % SIDE) as f32, (first / SIDE) as f32);
-        let columns = COLUMNS.map(|lane| column + lane);
-        let places = (&columns, &[row; ROW]);
-        self.leave_undecided(primitive, undecided, (first, places), decisions);
+        let at = ((first % SIDE) as f64, (first / SIDE) as f64);
+        let order_of_row = |order: &PlaneOrder| order.of_row(at);
+        self.leave_undecided((primitive, first), undecided, order_of_row, decisions);
     }
 
     /// Decides which of the rays that may start behind the triangle do. The others surely hit it.
@@ -418,23 +417,25 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Decides, of eight rays from `first` on, at `places`, those that merging left undecided, where a ray surely hits
-    /// a triangle already: in one plane the lower primitive id wins, elsewhere the order of their planes decides if it
-    /// can. A ray that may hit this triangle and not surely loses it keeps it as a rival.
+    /// Decides, of eight rays from `first` on, those that merging left undecided, where a ray surely hits a triangle
+    /// already: in one plane the lower primitive id wins, elsewhere the order of their planes decides if it can, which
+    /// `of_eight` evaluates at the rays' places. A ray that may hit this triangle and not surely loses it keeps it as a
+    /// rival.
     #[inline(never)]
     pub(super) fn leave_undecided(
         &mut self,
-        primitive: u32,
+        (primitive, first): (u32, usize),
         undecided: UndecidedRays,
-        (first, places): (usize, (&[f32; ROW], &[f32; ROW])),
+        of_eight: impl Fn(&PlaneOrder) -> [u32; 2],
         decisions: &mut Decisions<'_>,
     ) {
         let Some((_, _, primitives)) = self.rays(first) else {
             return;
         };
         let before = *primitives;
+        let are_same = before[0] != UNDECIDED && before == [before[0]; ROW];
         let (mut sure_hits, mut was_undecided) = ([MISS; ROW], 0);
-        if before[0] != UNDECIDED && before == [before[0]; ROW] {
+        if are_same {
             sure_hits = [stored_primitive(before[0]).unwrap_or(MISS); ROW];
         } else {
             for (lane, &stored) in before.iter().enumerate() {
@@ -446,17 +447,20 @@ impl IntervalZBuffer {
         // Neighbouring rays mostly have the same triangle.
         while rest != 0 {
             let sure_hit = sure_hits[rest.trailing_zeros() as usize % ROW];
-            let mut same = 0;
-            for (lane, &other) in sure_hits.iter().enumerate() {
-                same |= u32::from(other == sure_hit) << lane;
+            let mut same = rest;
+            if !are_same {
+                let mut equal = 0;
+                for (lane, &other) in sure_hits.iter().enumerate() {
+                    equal |= u32::from(other == sure_hit) << lane;
+                }
+                same &= equal;
             }
-            same &= rest;
             rest &= !same;
             let mut wins = 0;
             if sure_hit != MISS && same & (undecided.hits | was_undecided) != 0 {
                 // The stored bounds contain the depths of both, and so of the nearer one.
                 let order = decisions.order([sure_hit, primitive]);
-                let [loses, nearer] = order.of_eight(places);
+                let [loses, nearer] = of_eight(order);
                 let contested = &mut self.contested[cell_of(first) % (CELLS * CELLS)];
                 *contested = contested.saturating_add(1);
                 // Triangles of one plane are as close in any reference.
