@@ -339,6 +339,14 @@ fn stored_primitive(stored: u32) -> Option<u32> {
     (stored != MISS && stored != UNDECIDED).then_some(stored & !PROVISIONAL)
 }
 
+/// Whether all entries of a row are this one. Comparing with an array of copies would store the copies first.
+#[inline(always)]
+fn is_uniform(row: &[u32], entry: u32) -> bool {
+    row.iter()
+        .fold(0, |differs, other| differs | (other ^ entry))
+        == 0
+}
+
 #[inline(always)]
 pub(super) fn for_each_bit(mut bits: u64, mut of: impl FnMut(usize)) {
     while bits != 0 {

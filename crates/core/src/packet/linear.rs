@@ -57,12 +57,13 @@ impl FunctionDomain {
     }
 }
 
-/// A linear function of a ray's place.
+/// A linear function of a ray's place. Its slopes, which are read together, lie in one half of 32 bytes as they are copied:
+/// read across two halves that were just written, they would be waited for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Linear {
-    pub(super) constant: f64,
     pub(super) x: f64,
     pub(super) y: f64,
+    pub(super) constant: f64,
 }
 
 impl Linear {

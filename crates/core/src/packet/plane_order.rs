@@ -192,9 +192,10 @@ impl PlaneOrder {
         distances: [(f64, f64); 3],
         edges: impl FnOnce() -> &'e BoundedEdges,
     ) -> Self {
+        // Without branches: which corner decides differs from pair to pair.
         let are_all = |sign: f64| {
-            let mut all = distances.iter();
-            all.all(|(distance, error)| distance * sign > error + LEAST_SURE)
+            let is = |(distance, error): (f64, f64)| distance * sign > error + LEAST_SURE;
+            is(distances[0]) & is(distances[1]) & is(distances[2])
         };
         for sign in [1.0, -1.0] {
             if are_all(sign) {

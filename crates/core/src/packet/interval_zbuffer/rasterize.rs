@@ -5,7 +5,7 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
-use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, stored_primitive};
+use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
@@ -433,7 +433,7 @@ impl IntervalZBuffer {
             return;
         };
         let before = *primitives;
-        let are_same = before[0] != UNDECIDED && before == [before[0]; ROW];
+        let are_same = before[0] != UNDECIDED && is_uniform(&before, before[0]);
         let (mut sure_hits, mut was_undecided) = ([MISS; ROW], 0);
         if are_same {
             sure_hits = [stored_primitive(before[0]).unwrap_or(MISS); ROW];

@@ -2,7 +2,7 @@
 //! triangles are behind these for all rays of the cell, by the planes of the two, and need not be merged; and those that
 //! are in front of all of them are merged without an order ray by ray.
 
-use super::{CELLS, IntervalZBuffer, ROW, SIDE, UNDECIDED};
+use super::{CELLS, IntervalZBuffer, ROW, SIDE, UNDECIDED, is_uniform};
 use crate::hit::MISS;
 use crate::packet::decisions::Decisions;
 use crate::packet::plane_order::PlacesWithin;
@@ -177,7 +177,7 @@ impl IntervalZBuffer {
         for row in 0..ROW {
             let first = first + row * SIDE;
             // Layers mostly fill rows with one triangle.
-            if last != MISS && self.primitives[first..first + ROW] == [last; ROW] {
+            if last != MISS && is_uniform(&self.primitives[first..first + ROW], last) {
                 continue;
             }
             for ray in (first..).take(ROW) {
@@ -190,13 +190,18 @@ impl IntervalZBuffer {
                     return SureHitsOfCell::NONE;
                 };
                 found.is_decided &= stored != UNDECIDED;
-                if found.list[..found.count].contains(&sure_hit) {
+                if sure_hit == last {
+                    continue;
+                }
+                last = sure_hit;
+                // All of the list at once: what is not in use is no triangle.
+                let is_listed = |any, &listed| any | (listed == sure_hit);
+                if found.list.iter().fold(false, is_listed) {
                     continue;
                 }
                 if found.count == MOST {
                     return SureHitsOfCell::NONE;
                 }
-                last = sure_hit;
                 found.list[found.count] = sure_hit;
                 found.count += 1;
             }
