@@ -107,7 +107,10 @@ pub(crate) fn interpolate_row(
     corners: &CornerLanes,
 ) -> RowHits {
     let (x, y) = places.get(0);
-    let DVec3 { x, y, z } = camera.direction(x, y);
+    let DVec3 { x, y, z } = match camera.projection() {
+        Projection::Perspective => camera.on_plane(x, y) + camera.forward() * camera.distance(),
+        _ => camera.forward(),
+    };
     let rays = (places, &[[0.0; LANES]; 3]);
     // Neighbouring rays nearly always share their major axis; a lane that does not is left to the single ray.
     match (major_axis(x, y, z), camera.projection()) {
