@@ -1,4 +1,4 @@
-//! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint without a scene.
+//! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint where nothing is shown.
 
 use super::widgets::card;
 use super::{Commands, Status, path_line};
@@ -9,6 +9,7 @@ use crate::state::{Answer, Pending, Replacing, State};
 use crate::ui::registry::{Keymap, action};
 use crate::ui::theme;
 use egui::{Align2, Area, Button, Context, Id, Order, RichText, Stroke, Ui, vec2};
+use raycast_core::scene::Object;
 
 /// Shows them over `room`, the picture's place.
 pub(super) fn show(
@@ -18,7 +19,7 @@ pub(super) fn show(
     status: &Status,
     out: &mut Commands,
 ) {
-    if state.document.is_none() && status.activity.is_none() && state.prompt.is_none() {
+    if let Some(hint) = hint(context, state, status) {
         Area::new(Id::unique("hint"))
             .order(Order::Middle)
             .pivot(Align2::CENTER_CENTER)
@@ -27,11 +28,6 @@ pub(super) fn show(
             .show(context, |ui| {
                 // The backdrop is dark in either theme.
                 let quiet = theme::of(&egui::Visuals::dark()).quiet;
-                let key = match Keymap::of(context).key(action("file.open")) {
-                    key if key.is_empty() => key,
-                    key => format!(" ({key})"),
-                };
-                let hint = format!("Open a mesh{key} or drop one here");
                 let text = RichText::new(hint).color(quiet).size(15.0);
                 ui.add(egui::Label::new(text).extend());
             });
@@ -79,6 +75,27 @@ pub(super) fn show(
             });
     }
     held_files(context, room, state);
+}
+
+/// What to do where nothing is shown: without a scene, and where all of it is hidden.
+fn hint(context: &Context, state: &State, status: &Status) -> Option<String> {
+    if status.activity.is_some() || state.prompt.is_some() {
+        return None;
+    }
+    let key_of = |id: &str| match Keymap::of(context).key(action(id)) {
+        key if key.is_empty() => key,
+        key => format!(" ({key})"),
+    };
+    let Some(document) = &state.document else {
+        let key = key_of("file.open");
+        return Some(format!("Open a mesh{key} or drop one here"));
+    };
+    let objects = &document.scene.objects;
+    let is_hidden = |object: &Object| {
+        !object.visible || object.hidden_groups.is_some() && object.kept().is_empty()
+    };
+    let all_hidden = !objects.is_empty() && objects.iter().all(is_hidden);
+    all_hidden.then(|| format!("All is hidden: Show all{}", key_of("object.show_all")))
 }
 
 /// What the mouse does in the picture, until it is used there for the first time.

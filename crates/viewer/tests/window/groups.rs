@@ -44,6 +44,26 @@ fn groups_are_listed_hidden_by_their_eyes_and_shown_alone_by_a_click() {
 }
 
 #[test]
+fn a_picture_of_which_all_is_hidden_says_how_to_show_it() {
+    const HINT: &str = "All is hidden: Show all (Shift+H)";
+    let mut harness = open();
+    assert!(harness.query_by_label(HINT).is_none());
+    click(&mut harness, "Hide mesh");
+    assert!(harness.query_by_label(HINT).is_some());
+    click(&mut harness, "Show mesh");
+    click(&mut harness, "mesh");
+    click(&mut harness, "Groups (2)");
+    click(&mut harness, "Hide lid");
+    assert!(harness.query_by_label(HINT).is_none(), "one group is shown");
+    click(&mut harness, "Hide In no group");
+    assert!(harness.query_by_label(HINT).is_some());
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::H);
+    harness.run();
+    assert_eq!(kept(&harness), [0, 1]);
+    assert!(harness.query_by_label(HINT).is_none());
+}
+
+#[test]
 fn the_picked_group_is_hidden_and_isolated_by_keys() {
     let mut harness = open();
     let press = |harness: &mut Harness<'_, Bench>, modifiers: Modifiers, key: Key| {
