@@ -1,6 +1,6 @@
 //! The images of an OBJ file's materials.
 
-use super::map_options::MtlImage;
+use super::map_options::{Channel, MtlImage};
 use super::mtl::MtlMaterial;
 use crate::formats::error::FormatError;
 use crate::formats::files::{Contents, Files, NamedBy, beside};
@@ -21,10 +21,10 @@ pub(super) struct Images<'f> {
     known: HashMap<(PathBuf, bool), Option<Arc<Texture>>>,
     /// Images that were read before they were asked for.
     ahead: HashMap<PathBuf, Result<Texture, FormatError>>,
-    /// The alphas of opacity images, by the same key as `known`.
-    alphas: HashMap<(PathBuf, bool), Option<Arc<Texture>>>,
-    /// The images made of one of roughness and one of metal, by the addresses of these in `known`.
-    reflectances: HashMap<[Option<usize>; 2], Option<Arc<Texture>>>,
+    /// The alphas of opacity images, by the same key as `known` and their channel.
+    alphas: HashMap<(PathBuf, bool, Option<Channel>), Option<Arc<Texture>>>,
+    /// The images made of one of roughness and one of metal, by the addresses of these in `known` and their channels.
+    reflectances: HashMap<[Option<(usize, Channel)>; 2], Option<Arc<Texture>>>,
 }
 
 impl<'f> Images<'f> {
@@ -121,12 +121,13 @@ impl<'f> Images<'f> {
         let Some(image) = &material.images.opacity else {
             return;
         };
-        let key = (beside(library, &image.name), image.options.clamps);
+        let (clamps, channel) = (image.options.clamps, image.options.channel);
+        let key = (beside(library, &image.name), clamps, channel);
         let image = match self.alphas.get(&key) {
             Some(image) => image.clone(),
             None => {
                 let alpha = self.read(library, image, "opacity").and_then(|texture| {
-                    alpha_image(&key.0, texture, self.files.budget())
+                    alpha_image(&key.0, (texture, channel), self.files.budget())
                         .map_err(|error| self.warn("opacity", &image.name, &error))
                         .ok()
                 });
@@ -168,9 +169,13 @@ impl<'f> Images<'f> {
                 found.emission = [1.0; 3];
             }
         }
+        let mut read_scalar = |image: &Option<MtlImage>, what| {
+            let channel = image.as_ref()?.options.channel;
+            Some((read(image, what)?, channel.unwrap_or(Channel::Red)))
+        };
         let shares = [
-            read(&images.roughness, "roughness"),
-            read(&images.metallic, "metal"),
+            read_scalar(&images.roughness, "roughness"),
+            read_scalar(&images.metallic, "metal"),
         ];
         if let Some(texture) = self.reflectance_image(&shares) {
             found.texture = Some(texture);
@@ -187,12 +192,12 @@ impl<'f> Images<'f> {
 
     /// One image of images of roughness and metal. `None` without either, or where it would exceed the budget, of which a
     /// warning says so.
-    fn reflectance_image(&mut self, shares: &[Option<Arc<Texture>>; 2]) -> Option<Arc<Texture>> {
+    fn reflectance_image(&mut self, shares: &[Option<Scalar>; 2]) -> Option<Arc<Texture>> {
         if shares.iter().all(Option::is_none) {
             return None;
         }
-        let address = |texture: &Arc<Texture>| Arc::as_ptr(texture) as usize;
-        let key = shares.each_ref().map(|share| share.as_ref().map(address));
+        let key_of = |(texture, channel): &Scalar| (Arc::as_ptr(texture) as usize, *channel);
+        let key = shares.each_ref().map(|share| share.as_ref().map(key_of));
         if let Some(known) = self.reflectances.get(&key) {
             return known.clone();
         }
@@ -210,19 +215,30 @@ impl<'f> Images<'f> {
     }
 }
 
-/// The alpha of an opacity image: its alpha channel if it has one, else its red channel, which is its grey.
+/// An image and the channel of it that a scalar is read from.
+type Scalar = (Arc<Texture>, Channel);
+
+/// The alpha of an opacity image: the channel that is named, else its alpha channel if it has one, else its red channel,
+/// which is its grey.
 fn alpha_image(
     path: &Path,
-    image: Arc<Texture>,
+    (image, channel): (Arc<Texture>, Option<Channel>),
     budget: &Budget,
 ) -> Result<Arc<Texture>, FormatError> {
     let texels = image.texels();
-    if texels.iter().any(|texel| texel[3] < u8::MAX) {
+    let channel = channel.unwrap_or_else(|| {
+        let has_alpha = texels.iter().any(|texel| texel[3] < u8::MAX);
+        match has_alpha {
+            true => Channel::Alpha,
+            false => Channel::Red,
+        }
+    });
+    if channel == Channel::Alpha {
         return Ok(image);
     }
     let bytes = size_of_val(texels) as u64;
     let share = budget.share(path, "the image's opacity", bytes)?;
-    let texels = texels.iter().map(|&[grey, ..]| [grey; 4]).collect();
+    let texels = texels.iter().map(|&texel| [channel.of(texel); 4]).collect();
     let Some(opacity) = Texture::new(image.width(), image.height(), texels) else {
         return Ok(image);
     };
@@ -230,14 +246,14 @@ fn alpha_image(
     Ok(Arc::new(opacity.wrapped(image.wrap())))
 }
 
-/// An image with roughness in green and metal in blue, as [`Reflectance`] has it, of the red channels of two: that is the grey
-/// of either. It is as large as the larger one; what is missing is full.
+/// An image with roughness in green and metal in blue, as [`Reflectance`] has it, of a channel of each of two: where none is
+/// named the red one, which is the grey. It is as large as the larger one; what is missing is full.
 fn reflectance_image(
     path: &Path,
-    shares: &[Option<Arc<Texture>>; 2],
+    shares: &[Option<Scalar>; 2],
     budget: &Budget,
 ) -> Result<Option<Texture>, FormatError> {
-    let given = || shares.iter().flatten();
+    let given = || shares.iter().flatten().map(|(image, _)| image);
     let width = given().map(|share| share.width()).max().unwrap_or(1);
     let height = given().map(|share| share.height()).max().unwrap_or(1);
     let bytes = 4 * u64::from(width) * u64::from(height);
@@ -247,13 +263,13 @@ fn reflectance_image(
     texels.extend((0..height).flat_map(|y| {
         (0..width).map(move |x| {
             let [roughness, metallic] = shares.each_ref().map(|share| {
-                share.as_ref().map_or(u8::MAX, |share| {
+                share.as_ref().map_or(u8::MAX, |(share, channel)| {
                     let at = |at: u32, own: u32, all: u32| {
                         (u64::from(at) * u64::from(own) / u64::from(all)) as usize
                     };
                     let column = at(x, share.width(), width);
                     let row = at(y, share.height(), height);
-                    share.texels()[row * share.width() as usize + column][0]
+                    channel.of(share.texels()[row * share.width() as usize + column])
                 })
             });
             [0, roughness, metallic, u8::MAX]

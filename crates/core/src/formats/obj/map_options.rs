@@ -8,7 +8,45 @@ use glam::{DVec2, Vec2};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// What options say of where an image lies.
+/// The channel of an image that a scalar is read from (`-imfchan`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Channel {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    Luminance,
+}
+
+impl Channel {
+    /// That of an option's value. The depth of images (`z`), which no format that is read has, is none.
+    fn parse(word: &str) -> Option<Self> {
+        match word {
+            "r" => Some(Self::Red),
+            "g" => Some(Self::Green),
+            "b" => Some(Self::Blue),
+            "m" => Some(Self::Alpha),
+            "l" => Some(Self::Luminance),
+            _ => None,
+        }
+    }
+
+    /// Its number in a texel. Luminance is that of ITU-R BT.709, of numbers as they are stored: scalars are not colours.
+    pub(super) fn of(self, [red, green, blue, alpha]: [u8; 4]) -> u8 {
+        match self {
+            Self::Red => red,
+            Self::Green => green,
+            Self::Blue => blue,
+            Self::Alpha => alpha,
+            Self::Luminance => {
+                let [red, green, blue] = [red, green, blue].map(u32::from);
+                ((red * 2126 + green * 7152 + blue * 722 + 5000) / 10_000) as u8
+            }
+        }
+    }
+}
+
+/// What options say of where an image lies, and of which of its channels is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MapOptions {
     /// Texture coordinates are multiplied by this (`-s`),
@@ -17,6 +55,8 @@ pub(super) struct MapOptions {
     offset: DVec2,
     /// Whether there is one copy of the image, whose outermost texels go on beyond it (`-clamp on`).
     pub(super) clamps: bool,
+    /// The channel of a scalar (`-imfchan`); `None` where none is named.
+    pub(super) channel: Option<Channel>,
 }
 
 impl Default for MapOptions {
@@ -25,6 +65,7 @@ impl Default for MapOptions {
             scale: DVec2::ONE,
             offset: DVec2::ZERO,
             clamps: false,
+            channel: None,
         }
     }
 }
@@ -47,6 +88,10 @@ impl MapOptions {
             ("-s", Some(numbers), _) => self.scale = with(DVec2::ONE, numbers),
             ("-o", Some(numbers), _) => self.offset = with(DVec2::ZERO, numbers),
             ("-clamp", _, ["on" | "off"]) => self.clamps = values == ["on"],
+            ("-imfchan", _, [channel]) => {
+                self.channel = Channel::parse(channel);
+                return self.channel.is_some();
+            }
             _ => return false,
         }
         true
@@ -194,6 +239,7 @@ mod tests {
             scale: DVec2::from_array(scale),
             offset: DVec2::from_array(offset),
             clamps,
+            channel: None,
         };
         for (text, expected, has_others, name) in [
             ("a.png", options([1.0; 2], [0.0; 2], false), false, "a.png"),
@@ -229,6 +275,21 @@ mod tests {
             ),
             (
                 "-mm 0 2 a.png",
+                options([1.0; 2], [0.0; 2], false),
+                true,
+                "a.png",
+            ),
+            (
+                "-imfchan l -clamp on a.png",
+                MapOptions {
+                    channel: Some(Channel::Luminance),
+                    ..options([1.0; 2], [0.0; 2], true)
+                },
+                false,
+                "a.png",
+            ),
+            (
+                "-imfchan z a.png",
                 options([1.0; 2], [0.0; 2], false),
                 true,
                 "a.png",

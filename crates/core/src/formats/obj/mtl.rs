@@ -171,7 +171,13 @@ pub(super) fn read(
 fn count_options(images: &MtlImages, unused: &mut Unused) {
     let moves = images.options();
     for (keyword, image) in images.by_keyword() {
-        let is_odd = |image: &MtlImage| image.has_others || !image.options.moves_as(&moves);
+        // A colour is read from all channels.
+        let is_color = matches!(keyword, "map_Kd" | "map_Ke");
+        let is_odd = |image: &MtlImage| {
+            image.has_others
+                || !image.options.moves_as(&moves)
+                || is_color && image.options.channel.is_some()
+        };
         if image.is_some_and(is_odd) {
             *unused.entry(format!("options of {keyword}")).or_default() += 1;
         }

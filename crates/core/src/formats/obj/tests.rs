@@ -287,6 +287,54 @@ fn materials_are_masks_or_blended() {
     assert!(blended.ends_with("nothing refracted: 1"), "{blended}");
 }
 
+#[test]
+fn scalars_are_read_from_the_channel_that_is_named() {
+    let names = [
+        "",
+        "-imfchan r",
+        "-imfchan g",
+        "-imfchan b",
+        "-imfchan m",
+        "-imfchan l",
+    ];
+    let mask = |(number, options)| format!("newmtl m{number}\nmap_d {options} rgb.ppm\n");
+    let masks: String = names.into_iter().enumerate().map(mask).collect();
+    let library = format!(
+        "{masks}newmtl m6\nmap_Pr -imfchan b rgb.ppm\nmap_Pm -imfchan l rgb.ppm\n\
+        newmtl m7\nmap_Pr rgb.ppm\nmap_Pm -imfchan g rgb.ppm\n\
+        newmtl m8\nmap_Kd -imfchan r rgb.ppm\nmap_Ke -imfchan r rgb.ppm\nmap_d -imfchan z rgb.ppm\n"
+    );
+    let faces: String = (0..9)
+        .map(|number| format!("usemtl m{number}\nf 1 2 3\n"))
+        .collect();
+    let text = format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let budget = Budget::default();
+    let resolve = |name: &str| match name {
+        "a.mtl" => Some(library.clone().into_bytes()),
+        "rgb.ppm" => Some(b"P6 1 1 255 \xc8\x64\x32".to_vec()),
+        _ => None,
+    };
+    let files = Held::new(&resolve, &budget);
+    let obj = read(Path::new("a.obj"), text.as_bytes(), &files, &|_| ()).expect("a good file");
+    let alpha = |number: usize| match &obj.mesh.materials[number].opacity {
+        Opacity::Mask { alpha, .. } => alpha.image.as_ref().map(|image| image.texels()[0][3]),
+        other => panic!("{other:?}"),
+    };
+    // 0.2126 · 200 + 0.7152 · 100 + 0.0722 · 50 = 117.65.
+    let expected = [200, 200, 100, 50, 255, 118, 200].map(Some);
+    assert_eq!([0, 1, 2, 3, 4, 5, 8].map(alpha), expected);
+    let texel = |number: usize| {
+        let reflectance = obj.mesh.materials[number].reflectance.as_ref();
+        let texture = reflectance.and_then(|reflectance| reflectance.texture.as_ref());
+        texture.map(|texture| texture.texels()[0])
+    };
+    assert_eq!(texel(6), Some([0, 50, 118, 255]));
+    assert_eq!(texel(7), Some([0, 200, 100, 255]));
+    let unused =
+        ["map_Kd", "map_Ke", "map_d"].map(|image| format!("\"options of {image}\" (1 materials)"));
+    assert_eq!(obj.notes, [format!("not used: {}", unused.join(", "))]);
+}
+
 /// Images of roughness and metal are put into one, as large as the larger; what a library says beside them does not count.
 #[test]
 fn images_say_how_materials_reflect_light() {
