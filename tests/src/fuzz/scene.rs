@@ -36,7 +36,7 @@ pub fn check(bytes: &[u8]) -> Result<(), String> {
 /// Reads a scene for which every mesh and image that it may name is there.
 fn read_scene(text: &str) -> Result<Reading, String> {
     let files = |name: &str| match Path::new(name).extension()?.to_str()? {
-        "obj" => Some(MESH.into()),
+        "obj" => Some(MESH.replace("usemtl b", "g lid\nusemtl b").into()),
         "txt" => Some("(0,0,0);(1,0,0);(0,1,0)\n".into()),
         "mtl" => Some(LIBRARY.into()),
         "ppm" => Some(IMAGE.into()),
@@ -73,12 +73,14 @@ fn are_equal(a: &SceneFile, b: &SceneFile) -> Result<(), String> {
                 source,
                 texture_source,
                 visible,
+                hidden_groups,
                 node,
                 shape,
                 ..
             } = object;
+            let hidden = hidden_groups.as_ref().map(|hidden| hidden.names());
             format!(
-                "{transform:?} {parent:?} {color:?} {source:?} {texture_source:?} {node:?} {shape:?} {visible}"
+                "{transform:?} {parent:?} {color:?} {source:?} {texture_source:?} {node:?} {shape:?} {visible} {hidden:?}"
             )
         };
         differ("object", plain(a), plain(b))?;
@@ -97,7 +99,7 @@ mod tests {
     fn differences_are_found() {
         let text = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n\n[image]\nsize = [8, 8]\n\n\
             [shading]\nmode = \"flat\"\n\n[[object]]\nmesh = \"a.obj\"\ntexture = \"t.ppm\"\n\
-            translate = [1, 2, 3]\n";
+            translate = [1, 2, 3]\nhidden-groups = [\"lid\"]\n";
         assert_eq!(check(text.as_bytes()), Ok(()));
         let read = |text: &str| read_scene(text).expect("fit messages").expect("a scene");
         for (from, to) in [
@@ -107,6 +109,7 @@ mod tests {
             ("a.obj", "b.obj"),
             ("t.ppm", "u.ppm"),
             ("[1, 2, 3]", "[1, 2, 4]"),
+            ("[\"lid\"]", "[\"\"]"),
         ] {
             let other = read(&text.replace(from, to));
             assert!(are_equal(&read(text), &other).is_err(), "{from} as {to}");
