@@ -23,8 +23,8 @@ pub(super) struct Images<'f> {
     ahead: HashMap<PathBuf, Result<Texture, FormatError>>,
     /// The alphas of opacity images, by the same key as `known` and their channel.
     alphas: HashMap<(PathBuf, bool, Option<Channel>), Option<Arc<Texture>>>,
-    /// The images made of one of roughness and one of metal, by the addresses of these in `known` and their channels.
-    reflectances: HashMap<[Option<(usize, Channel)>; 2], Option<Arc<Texture>>>,
+    /// The images made of one of roughness and one of metal.
+    reflectances: HashMap<[Option<ScalarKey>; 2], Option<Arc<Texture>>>,
 }
 
 impl<'f> Images<'f> {
@@ -217,6 +217,9 @@ impl<'f> Images<'f> {
 
 /// An image and the channel of it that a scalar is read from.
 type Scalar = (Arc<Texture>, Channel);
+
+/// The image's address in [`Images::known`] and the channel.
+type ScalarKey = (usize, Channel);
 
 /// The alpha of an opacity image: the channel that is named, else its alpha channel if it has one, else its red channel,
 /// which is its grey.
