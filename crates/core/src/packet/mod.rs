@@ -16,8 +16,9 @@
 //!    their distance, depths are relative to a `depth_reference`.
 //! 5. `interval_zbuffer`: triangles are rasterised into one interval of depth per ray, in single precision.
 //!    A ray that bounds leave undecided is marked so and its rivals are recorded; `cast` tests it against these as
-//!    a single ray. Decisions that hold for all rays are made once (`decisions`),
-//!    and whether parallel rays start in front of triangles that they nearly start on, once a plane (`ray_starts`).
+//!    a single ray. Where bounds decide next to nothing, all rays of the packet are cast so. Decisions that hold for
+//!    all rays are made once (`decisions`), and whether parallel rays start in front of triangles that they nearly
+//!    start on, once a plane (`ray_starts`).
 //!
 //! Before that, the plane of one triangle and the corners of the other order the two for eight rays or a whole cell
 //! (`plane_order`); only rays for which that is not sure either are left undecided. Of layers too close together for
