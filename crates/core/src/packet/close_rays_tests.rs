@@ -6,8 +6,8 @@ use crate::camera::{ImagePlane, Projection};
 use crate::random::Random;
 use glam::DVec3;
 
-/// Triangles of some 1e-15 of their distance: no packet sees their edges, so it leaves all its rays to be cast one by one
-/// after the first of them. Half of the rays are the same as a neighbour, whose answer they have.
+/// Triangles of some 1e-15 of their distance: no packet sees their edges, so it leaves all its rays to be cast one by
+/// one after the first of them. Half of the rays are the same as a neighbour, whose answer they have.
 #[test]
 fn the_same_rays_of_packets_that_see_no_edges_are_cast_once() {
     let mut random = Random(101);

@@ -35,9 +35,9 @@ const ALL: u32 = (1 << ROW) - 1;
 /// layers are cast again later.
 const MANY_CONTESTS: u32 = 400;
 
-/// The number of rays that ill-conditioned triangles may hit, each counted for each triangle, beyond which a packet's rays
-/// are cast one by one: eight a ray, which take a tenth of the time that casting the ray does. With fewer, packets are
-/// given up whose rays have few rivals; with more, spheres smaller than the roundings of their rays take longer.
+/// The number of rays that ill-conditioned triangles may hit, each counted for each triangle, beyond which a packet's
+/// rays are cast one by one: eight a ray, which take a tenth of the time that casting the ray does. With fewer, packets
+/// are given up whose rays have few rivals; with more, spheres smaller than the roundings of their rays take longer.
 const MANY_MARKS: usize = 8 * RAYS;
 
 /// Marks the primitive index of a small triangle that was merged without set-up. No index has this bit.

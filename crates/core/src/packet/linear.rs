@@ -57,8 +57,8 @@ impl FunctionDomain {
     }
 }
 
-/// A linear function of a ray's place. Its slopes, which are read together, lie in one half of 32 bytes as they are copied:
-/// read across two halves that were just written, they would be waited for.
+/// A linear function of a ray's place. Its slopes, which are read together, lie in one half of 32 bytes as they are
+/// copied: read across two halves that were just written, they would be waited for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Linear {
     pub(super) x: f64,

@@ -221,8 +221,8 @@ type Scalar = (Arc<Texture>, Channel);
 /// The image's address in [`Images::known`] and the channel.
 type ScalarKey = (usize, Channel);
 
-/// The alpha of an opacity image: the channel that is named, else its alpha channel if it has one, else its red channel,
-/// which is its grey.
+/// The alpha of an opacity image: the channel that is named, else its alpha channel if it has one, else its red
+/// channel, which is its grey.
 fn alpha_image(
     path: &Path,
     (image, channel): (Arc<Texture>, Option<Channel>),
@@ -249,8 +249,8 @@ fn alpha_image(
     Ok(Arc::new(opacity.wrapped(image.wrap())))
 }
 
-/// An image with roughness in green and metal in blue, as [`Reflectance`] has it, of a channel of each of two: where none is
-/// named the red one, which is the grey. It is as large as the larger one; what is missing is full.
+/// An image with roughness in green and metal in blue, as [`Reflectance`] has it, of a channel of each of two: where
+/// none is named the red one, which is the grey. It is as large as the larger one; what is missing is full.
 fn reflectance_image(
     path: &Path,
     shares: &[Option<Scalar>; 2],

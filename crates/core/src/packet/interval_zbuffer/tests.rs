@@ -75,8 +75,8 @@ fn edges_within_their_error_are_undecided() {
     }
 }
 
-/// Ill-conditioned triangles that any ray may hit: after so many of them the rays are left to be cast one by one, and all are
-/// undecided.
+/// Ill-conditioned triangles that any ray may hit: after so many of them the rays are left to be cast one by one, and
+/// all are undecided.
 #[test]
 fn many_ill_conditioned_triangles_leave_all_rays_undecided() {
     let mut zbuffer = IntervalZBuffer::new();
