@@ -32,6 +32,8 @@ impl Screen {
             // Without -noreset it starts anew, and refuses connections meanwhile, whenever the last
             // program leaves: each call of xdotool may be that.
             .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp"])
+            // No key repeats: on a busy machine a stroke may last as long as a key that is held.
+            .arg("-r")
             .args(["-screen", "0"])
             .arg(format!("{width}x{height}x24"))
             .stdin(Stdio::null())

@@ -31,7 +31,8 @@ impl Channel {
         }
     }
 
-    /// Its number in a texel. Luminance is that of ITU-R BT.709, of numbers as they are stored: scalars are not colours.
+    /// Its number in a texel. Luminance is that of ITU-R BT.709, of the numbers as they are stored: scalars are not
+    /// colours.
     pub(super) fn of(self, [red, green, blue, alpha]: [u8; 4]) -> u8 {
         match self {
             Self::Red => red,
