@@ -36,6 +36,7 @@ pub fn check(bytes: &[u8]) -> Result<(), String> {
 /// Reads a scene for which every mesh and image that it may name is there.
 fn read_scene(text: &str) -> Result<Reading, String> {
     let files = |name: &str| match Path::new(name).extension()?.to_str()? {
+        // Its last triangle is a group, which a scene can hide.
         "obj" => Some(MESH.replace("usemtl b", "g lid\nusemtl b").into()),
         "txt" => Some("(0,0,0);(1,0,0);(0,1,0)\n".into()),
         "mtl" => Some(LIBRARY.into()),

@@ -121,6 +121,23 @@ mod tests {
     }
 
     #[test]
+    fn objects_are_hidden_by_themselves_or_by_all_of_their_groups() {
+        let mut object = Object::new("row", row());
+        let mut after = |visible: bool, names: &[&str]| {
+            object.visible = visible;
+            object.hide_groups(names.iter().map(|&name| name.to_owned()).collect());
+            [object.is_partly_hidden(), object.is_hidden()]
+        };
+        assert_eq!(after(true, &[]), [false, false]);
+        assert_eq!(after(true, &["a"]), [true, false]);
+        assert_eq!(after(true, &["", "a", "b"]), [true, true]);
+        assert_eq!(after(false, &[]), [true, true]);
+        // Nothing is hidden of what has no triangle.
+        let empty = Object::new("empty", Arc::new(Mesh::new(MeshData::default())));
+        assert!(!empty.is_hidden());
+    }
+
+    #[test]
     fn another_mesh_hides_the_groups_of_the_same_names() {
         let mut object = Object::new("row", row());
         object.hide_groups(BTreeSet::from(["a".to_owned()]));

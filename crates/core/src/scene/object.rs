@@ -95,6 +95,16 @@ impl Object {
             .map_or(self.mesh.kept(), |hidden| hidden.kept())
     }
 
+    /// Whether it is hidden, or a group of it.
+    pub fn is_partly_hidden(&self) -> bool {
+        !self.visible || self.hidden().is_some()
+    }
+
+    /// Whether it is hidden, or groups that hold all its triangles.
+    pub fn is_hidden(&self) -> bool {
+        !self.visible || self.hidden().is_some() && self.kept().is_empty()
+    }
+
     /// The box around these triangles, in its own space.
     pub fn bounds(&self) -> Bounds {
         self.hidden()

@@ -53,10 +53,7 @@ impl MeshFile {
     /// No visible object; those of [`Output`] and of writing.
     pub fn write(&self, scene: &Scene, opened: &[PathBuf]) -> Result<Vec<String>, Failure> {
         self.output.check_against(opened)?;
-        let is_all_hidden = |object: &Object| {
-            !object.visible || object.hidden_groups.is_some() && object.kept().is_empty()
-        };
-        if scene.objects.iter().all(is_all_hidden) {
+        if scene.objects.iter().all(Object::is_hidden) {
             let reason = "everything is hidden";
             return Err(self.cannot(&reason));
         }

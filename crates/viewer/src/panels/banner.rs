@@ -1,4 +1,5 @@
-//! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint where nothing is shown.
+//! What lies over the picture: progress, the path line, questions, errors, short messages, and a hint where nothing is
+//! shown.
 
 use super::widgets::card;
 use super::{Commands, Status, path_line};
@@ -91,10 +92,7 @@ fn hint(context: &Context, state: &State, status: &Status) -> Option<String> {
         return Some(format!("Open a mesh{key} or drop one here"));
     };
     let objects = &document.scene.objects;
-    let is_hidden = |object: &Object| {
-        !object.visible || object.hidden_groups.is_some() && object.kept().is_empty()
-    };
-    let all_hidden = !objects.is_empty() && objects.iter().all(is_hidden);
+    let all_hidden = !objects.is_empty() && objects.iter().all(Object::is_hidden);
     all_hidden.then(|| format!("All is hidden: Show all{}", key_of("object.show_all")))
 }
 

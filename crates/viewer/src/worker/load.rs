@@ -216,8 +216,7 @@ impl Load<'_> {
         let triangles = Accel::stored_triangles(&scene);
         memory::check_scene(&called, triangles, scene.level_bytes())
             .map_err(|error| error.to_string())?;
-        let is_hidden = |object: &Object| !object.visible || object.hidden_groups.is_some();
-        let has_hidden = scene.objects.iter().any(is_hidden);
+        let has_hidden = scene.objects.iter().any(Object::is_partly_hidden);
         let accel =
             setup::tree_to_edit(&scene).and_then(|accel| match has_hidden || !accel.is_empty() {
                 // A scene with nothing visible may be intended, and what is scaled to nothing can be scaled again.

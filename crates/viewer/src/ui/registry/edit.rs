@@ -95,8 +95,7 @@ pub(super) static ACTIONS: &[Action] = &[
     )
     .when(|state| {
         let document = state.document.as_ref();
-        let is_hidden = |object: &Object| !object.visible || object.hidden_groups.is_some();
-        document.is_some_and(|d| d.scene.objects.iter().any(is_hidden))
+        document.is_some_and(|d| d.scene.objects.iter().any(Object::is_partly_hidden))
     })
     .lacks("Nothing is hidden"),
     Action::of(
