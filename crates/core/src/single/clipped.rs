@@ -27,7 +27,8 @@ impl Accel {
         }
     }
 
-    /// As [`Accel::intersect`], for hits whose points the planes keep.
+    /// As [`Accel::intersect`], for hits whose points the planes keep. A hit that is not kept is rejected before it
+    /// replaces another, so that the rule for equal distances holds as it is.
     #[inline(always)]
     pub(crate) fn intersect_kept(
         &self,
@@ -36,17 +37,28 @@ impl Accel {
         primitive: u32,
         nearest: &mut BoundedHit,
     ) {
-        if clip.is_empty() || self.is_kept(clip, ray, primitive) {
+        if clip.is_empty() {
             self.intersect(ray, primitive, nearest);
+        } else {
+            let keeps = |hit: &BoundedHit| clip.keeps(&ray.ray, self.corners(primitive), hit);
+            self.intersect_where(keeps, ray, primitive, nearest);
         }
     }
 
-    /// Whether a ray hits a triangle at a point that the planes keep.
+    /// As [`Accel::intersect`], for hits that `keeps` keeps.
     #[inline(never)]
-    fn is_kept(&self, clip: &Clip, ray: &PreparedRay, primitive: u32) -> bool {
-        let mut hit = BoundedHit::NONE;
-        self.intersect(ray, primitive, &mut hit);
-        !hit.is_miss() && clip.keeps(&ray.ray, self.corners(primitive), &hit)
+    fn intersect_where(
+        &self,
+        keeps: impl Fn(&BoundedHit) -> bool,
+        ray: &PreparedRay,
+        primitive: u32,
+        nearest: &mut BoundedHit,
+    ) {
+        let mut closer = *nearest;
+        self.intersect(ray, primitive, &mut closer);
+        if closer.primitive != nearest.primitive && keeps(&closer) {
+            *nearest = closer;
+        }
     }
 }
 
@@ -130,17 +142,13 @@ impl<'a> Clipped<'a> {
         }
     }
 
-    /// The closest hit that planes and masks keep. A hit that is not kept is rejected before it is compared with
-    /// others, so that the rule for equal distances holds as it is.
+    /// The closest hit that planes and masks keep.
     fn nearest_kept(&self, ray: &PreparedRay) -> BoundedHit {
         let mut nearest = BoundedHit::NONE;
-        traversal::visit(self.accel, ray, |primitives| {
+        let keeps = |hit: &BoundedHit| self.keeps(ray, hit);
+        traversal::visit(self.accel, &self.clip, ray, |primitives| {
             for primitive in primitives {
-                let mut closer = nearest;
-                self.accel.intersect(ray, primitive, &mut closer);
-                if closer.primitive != nearest.primitive && self.keeps(ray, &closer) {
-                    nearest = closer;
-                }
+                (self.accel).intersect_where(keeps, ray, primitive, &mut nearest);
             }
             nearest
         });

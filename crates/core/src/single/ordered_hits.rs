@@ -30,7 +30,7 @@ impl OrderedHits {
         let Some(ray) = self.begin(kept, ray, options) else {
             return;
         };
-        traversal::visit(kept.accel, &ray, |primitives| {
+        traversal::visit(kept.accel, &kept.clip, &ray, |primitives| {
             self.add(kept, &ray, primitives, &is_opaque);
             match self.hits.last() {
                 Some(last) if self.is_closed => *last,

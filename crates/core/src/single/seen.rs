@@ -47,7 +47,7 @@ impl Clipped<'_> {
             !own.is_surely_before(other) && order() == Ordering::Less
         };
         let mut is_hidden = false;
-        traversal::visit(accel, ray, |primitives| {
+        traversal::visit(accel, &self.clip, ray, |primitives| {
             for primitive in primitives.filter(|&primitive| primitive != own.primitive) {
                 let mut other = BoundedHit::NONE;
                 accel.intersect(ray, primitive, &mut other);

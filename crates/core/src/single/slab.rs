@@ -38,8 +38,8 @@ pub(super) struct SlabRay {
 }
 
 impl SlabRay {
-    /// `bounds` is the box around everything.
-    pub(super) fn new(ray: &PreparedRay, bounds: &Box32) -> Self {
+    /// For points of a ray from the parameter `begin` on; `bounds` is the box around everything.
+    pub(super) fn new(ray: &PreparedRay, begin: f64, bounds: &Box32) -> Self {
         let direction = ray.ray.direction / ray.advance.abs();
         let [min, max] = bounds.corners();
         let away = (min - ray.start).abs().max((max - ray.start).abs());
@@ -72,7 +72,7 @@ impl SlabRay {
             skipped: ray.skipped.unwrap_or(DoubleDouble::from(0.0)),
             advance: ray.advance.abs(),
         };
-        let begin = round_down(slab.distance(ray.ray.t_min, 0.0));
+        let begin = round_down(slab.distance(begin, 0.0));
         // The slack of far ends would cover this as well.
         slab.begin = begin - begin.abs() * SLACK;
         slab
@@ -171,7 +171,7 @@ mod tests {
             let skipped = ray.skipped.expect("a far origin");
             let t = skipped.high + random.signed() / ray.advance.abs();
             ray.ray.t_min = t;
-            let slab = SlabRay::new(&ray, &bounds);
+            let slab = SlabRay::new(&ray, ray.ray.t_min, &bounds);
             let along = (DoubleDouble::from(t) - skipped) * slab.advance.into();
             let (begin, end) = (slab.begin, slab.limit(t, 0.0));
             assert!(f64::from(begin) <= along.high && f64::from(end) >= along.high);

@@ -68,7 +68,7 @@ fn boxes_touched_within_the_origins_error_are_entered() {
             min: point - 1.0,
             max: point + 1.0,
         };
-        let slab = SlabRay::new(&prepared, &bounds);
+        let slab = SlabRay::new(&prepared, prepared.ray.t_min, &bounds);
         let only = Box32 {
             min: point,
             max: point,
@@ -103,7 +103,7 @@ fn of_far_tiny_boxes_only_those_that_are_hit_are_entered() {
         let enter = |ray: &Ray| {
             let prepared = PreparedRay::new(ray, DVec3::ZERO, Cull::None, Precision::Exact);
             let prepared = prepared.expect("a valid ray").close_to(bounds.corners());
-            let slab = SlabRay::new(&prepared, &bounds);
+            let slab = SlabRay::new(&prepared, prepared.ray.t_min, &bounds);
             let limit = slab.limit(ray.t_max, 0.0);
             slab.enter(&pair, limit).map(|(_, is_hit)| is_hit)
         };
@@ -150,7 +150,7 @@ fn starts_close_to_the_scene_are_within_their_error_bound() {
         assert_eq!(ray.origin + ray.direction, target);
         let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
         let prepared = prepared.expect("a valid ray").close_to(bounds.corners());
-        let slab = SlabRay::new(&prepared, &bounds);
+        let slab = SlabRay::new(&prepared, prepared.ray.t_min, &bounds);
         let point = target.as_vec3();
         assert_eq!(point.as_dvec3(), target);
         let only = Box32 {
@@ -173,7 +173,7 @@ fn boxes_beside_a_nearly_parallel_ray_are_entered() {
             min: Vec3::NEG_ONE,
             max: Vec3::ONE,
         };
-        let slab = SlabRay::new(&prepared.expect("a valid ray"), &bounds);
+        let slab = SlabRay::new(&prepared.expect("a valid ray"), 0.0, &bounds);
         let point = (DVec3::NEG_Y + ray.direction * 2.0).as_vec3();
         let only = Box32 {
             min: point,

@@ -9,7 +9,7 @@ use crate::triangle::{BoundedHit, PreparedRay};
 /// The closest hit whose point `clip` keeps.
 pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> BoundedHit {
     let mut nearest = BoundedHit::NONE;
-    visit(accel, ray, |primitives| {
+    visit(accel, clip, ray, |primitives| {
         for primitive in primitives {
             accel.intersect_kept(clip, ray, primitive, &mut nearest);
         }
@@ -18,11 +18,12 @@ pub(crate) fn nearest(accel: &Accel, clip: &Clip, ray: &PreparedRay) -> BoundedH
     nearest
 }
 
-/// Calls `leaf` with the primitives of each leaf that the ray may hit, front to back; skips boxes beyond the hit that
-/// it returns.
+/// Calls `leaf` with the primitives of each leaf that the ray may hit where `clip` keeps its points, front to back;
+/// skips boxes beyond the hit that it returns.
 #[inline(always)]
 pub(super) fn visit(
     accel: &Accel,
+    clip: &Clip,
     ray: &PreparedRay,
     mut leaf: impl FnMut(std::ops::Range<u32>) -> BoundedHit,
 ) {
@@ -30,8 +31,9 @@ pub(super) fn visit(
     let Some(mut subtree) = tree.root else {
         return;
     };
-    let slab = SlabRay::new(ray, &tree.bounds);
-    let mut limit = slab.limit(ray.ray.t_max, 0.0);
+    let [begin, end] = clip.range_along(&ray.ray);
+    let slab = SlabRay::new(ray, begin, &tree.bounds);
+    let mut limit = slab.limit(end, 0.0);
     let mut stack = [(Subtree::default(), 0.0f32); DEPTH_LIMIT];
     let mut depth = 0;
     loop {

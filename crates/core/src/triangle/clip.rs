@@ -20,6 +20,10 @@
 //!   little: 9.4ε²(Σ|nᵢoᵢ| + |c|). Its higher part and the sum with t·(n·d) are rounded once each: ε|f| each, and
 //!   6.1ε(|t| + τ)·Σ|nᵢdᵢ| as above.
 //!
+//! * **Ranges of rays.** n·o − c as above, and n·d, whose products and sums are off by 3.1ε·Σ|nᵢdᵢ|. Where its sign is
+//!   sure, the parameter at which a ray meets the plane is bounded by their quotient with both errors on the safe side.
+//!   Four roundings, 4.1ε of the quotient, are counted as the slope's: 7.2ε·Σ|nᵢdᵢ|.
+//!
 //! Products below the range of normal numbers lose 2⁻¹⁰⁷⁵ each, those with t that times |t| + τ; [`TINY`] times
 //! 1 + |t| + τ is more than all of these. What leaves the range at the other end is infinite or NaN, and so is its
 //! bound: comparisons fail, and exact arithmetic decides.
@@ -208,6 +212,17 @@ impl Clip {
         })
     }
 
+    /// A range of a ray, within its own, that holds all of its points that the planes keep; empty where they keep none.
+    pub(crate) fn range_along(&self, ray: &Ray) -> [f64; 2] {
+        let (mut begin, mut end) = (ray.t_min, ray.t_max);
+        for plane in &self.planes {
+            let [after, before] = plane.bounds_along(ray);
+            begin = begin.max(after);
+            end = end.min(before);
+        }
+        [begin, end]
+    }
+
     /// Whether the planes keep the point where a ray hits a triangle.
     pub(crate) fn keeps(&self, ray: &Ray, corners: [Vec3; 3], hit: &BoundedHit) -> bool {
         self.planes.iter().all(|plane| {
@@ -355,6 +370,26 @@ impl PreparedPlane {
         let size = terms.x.abs() + terms.y.abs() + terms.z.abs() + self.constant.abs();
         let error = size * self.relative + self.constant_error * 1.001 + self.absolute;
         (value, error)
+    }
+
+    /// A lower and an upper bound of the parameters at which a ray's points are kept, infinite where it is not sure.
+    fn bounds_along(&self, ray: &Ray) -> [f64; 2] {
+        let (value, error) = self.at_point(ray.origin);
+        let most = value + error;
+        let along = self.normal * ray.direction;
+        let slope = along.element_sum();
+        let off = 7.2 * EPSILON * along.abs().element_sum() + TINY;
+        let steep = match most < 0.0 {
+            true => slope.abs() + off,
+            false => slope.abs() - off,
+        };
+        let mut bounds = [f64::NEG_INFINITY, f64::INFINITY];
+        if slope > off && most < 0.0 {
+            bounds[0] = -most / steep;
+        } else if slope < -off {
+            bounds[1] = most / steep;
+        }
+        bounds
     }
 
     /// The sign of n·p − c at a hit of a ray, where a bound decides it.
@@ -550,6 +585,69 @@ mod tests {
             assert_eq!(truth.high.total_cmp(&0.0), sign, "{plane:?} {ray:?}");
         }
         assert!(close > 1000, "{close} {sure}");
+    }
+
+    /// Planes that cut rays close to where they start, except for roundings, and planes nearly parallel to rays. The
+    /// truth is integer arithmetic; without either error this fails.
+    #[test]
+    fn ranges_along_rays_hold_all_kept_points() {
+        const AT: u64 = 300;
+        let integer = |x: f64| {
+            let (mantissa, exponent) = decompose(x);
+            BigInt::from(mantissa) << (AT as i32 + exponent)
+        };
+        // The sign of n·(o + t·d) − c.
+        let sign_at = |plane: &PreparedPlane, ray: &Ray, t: f64| {
+            let mut sum = -(integer(plane.offset) << (2 * AT));
+            for axis in 0..3 {
+                let place =
+                    (integer(ray.origin[axis]) << AT) + integer(t) * integer(ray.direction[axis]);
+                sum += integer(plane.normal[axis]) * place;
+            }
+            sum.cmp(&BigInt::ZERO)
+        };
+        let mut random = Random(74);
+        let [mut begun, mut ended, mut close] = [0; 3];
+        for round in 0..30_000 {
+            let (origin, mut normal) = (random.point(), random.point());
+            let mut direction = random.point();
+            if round % 3 != 0 {
+                // The products along the ray cancel.
+                let lean = [1e-8, 1e-15][round % 2] * random.signed();
+                direction += normal * (lean - normal.dot(direction) / normal.length_squared());
+            }
+            let mut offset = normal.dot(origin);
+            if round % 4 == 0 {
+                // So do those at the origin.
+                normal -= origin * (normal.dot(origin) / origin.length_squared());
+                let product = |axis: usize| DoubleDouble::from(normal[axis]) * origin[axis].into();
+                offset = (product(0) + product(1) + product(2)).high;
+            }
+            offset *= 1.0
+                + [40.0 * EPSILON * EPSILON, 4.0 * EPSILON, 1.0][round % 5 % 3] * random.signed();
+            let plane = ClippingPlane::new(normal, offset).expect("a plane");
+            let plane = PreparedPlane::new(&plane, DVec3::ZERO);
+            let ray = Ray::new(origin, direction);
+            let [after, before] = plane.bounds_along(&ray);
+            for bound in [after, before]
+                .into_iter()
+                .filter(|bound| bound.is_finite())
+            {
+                let sign = sign_at(&plane, &ray, bound);
+                assert_ne!(sign, Ordering::Greater, "{plane:?} {ray:?} {bound}");
+                // A little further they are kept.
+                let slope = (plane.normal * ray.direction).element_sum();
+                let inside = bound * (1.0 + 1e-6 * (slope * bound).signum());
+                close += usize::from(sign_at(&plane, &ray, inside) == Ordering::Greater);
+            }
+            begun += usize::from(after.is_finite());
+            ended += usize::from(before.is_finite());
+        }
+        assert!(begun > 4000 && ended > 4000, "{begun} {ended}");
+        assert!(
+            close > (begun + ended) / 2,
+            "{close} of {begun} and {ended}"
+        );
     }
 
     /// Planes through corners except for rounding, near the origin and far from it. The truth is integer arithmetic,
