@@ -2,7 +2,7 @@
 //!
 //! A window that is painted by the CPU may not be limited by the display's rate: it is ready for its next frame at
 //! once. A frame shortly before a picture is complete would show nothing new and take processor time from the picture.
-//! So a frame starts when there is something to show, or 40 ms after the start of the last one. In between the window
+//! So a frame starts when there is something to show, or 37 ms after the start of the last one. In between the window
 //! sleeps, and handles events as usual.
 
 use crate::worker::outbox::Outbox;
@@ -15,9 +15,9 @@ use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::WindowId;
 
-/// The longest time between the starts of two frames while a picture is awaited: the budget of a picture's first pass.
-/// A frame in between would delay the picture.
-const LONGEST: Duration = pace::BUDGET;
+/// The longest time between the starts of two frames while a picture is awaited: the longest that its first pass is
+/// meant to take. A frame in between would delay the picture.
+const LONGEST: Duration = pace::LONGEST;
 
 /// A callback that ends the delay of a frame, from any thread. A repaint request would not: egui has requested the
 /// frame already, and requests it once.

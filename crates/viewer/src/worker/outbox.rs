@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// How long tiles of a first pass are held back until it is complete, so that a moving camera shows whole pictures.
 /// With a longer time slow pictures would appear late instead of filling in.
-pub const HOLD: Duration = super::pace::BUDGET;
+pub const HOLD: Duration = super::pace::LONGEST;
 
 /// The interval at which the window fetches tiles while a slow first pass fills in.
 const FILLING: Duration = Duration::from_millis(50);
