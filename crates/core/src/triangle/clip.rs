@@ -212,7 +212,8 @@ impl Clip {
         })
     }
 
-    /// A range of a ray, within its own, that holds all of its points that the planes keep; empty where they keep none.
+    /// A range of a ray's parameter, within its own, that holds all points that the planes keep. Its end may lie before
+    /// its beginning: then they keep none.
     pub(crate) fn range_along(&self, ray: &Ray) -> [f64; 2] {
         let (mut begin, mut end) = (ray.t_min, ray.t_max);
         for plane in &self.planes {
@@ -372,7 +373,8 @@ impl PreparedPlane {
         (value, error)
     }
 
-    /// A lower and an upper bound of the parameters at which a ray's points are kept, infinite where it is not sure.
+    /// Lower and upper bounds of the parameters at which the plane keeps a ray's points; infinite where there are none,
+    /// or none is sure.
     fn bounds_along(&self, ray: &Ray) -> [f64; 2] {
         let (value, error) = self.at_point(ray.origin);
         let most = value + error;
@@ -587,11 +589,12 @@ mod tests {
         assert!(close > 1000, "{close} {sure}");
     }
 
-    /// Planes that cut rays close to where they start, except for roundings, and planes nearly parallel to rays. The
-    /// truth is integer arithmetic; without either error this fails.
+    /// Planes that cut rays close to where they start, except for roundings, planes nearly parallel to rays, and
+    /// products that underflow. The truth is integer arithmetic; without any term of the bounds this fails.
     #[test]
     fn ranges_along_rays_hold_all_kept_points() {
-        const AT: u64 = 300;
+        // No double has a bit below 2⁻¹⁰⁷⁴; mantissas are moved up by 52 more.
+        const AT: u64 = 1130;
         let integer = |x: f64| {
             let (mantissa, exponent) = decompose(x);
             BigInt::from(mantissa) << (AT as i32 + exponent)
@@ -623,6 +626,11 @@ mod tests {
                 let product = |axis: usize| DoubleDouble::from(normal[axis]) * origin[axis].into();
                 offset = (product(0) + product(1) + product(2)).high;
             }
+            if round % 7 == 0 {
+                let scale = crate::math::pow(10.0, -15.0 * random.unit());
+                (normal, offset) = (normal * 1e-150, offset * 1e-150);
+                direction *= 1e-150 * scale;
+            }
             offset *= 1.0
                 + [40.0 * EPSILON * EPSILON, 4.0 * EPSILON, 1.0][round % 5 % 3] * random.signed();
             let plane = ClippingPlane::new(normal, offset).expect("a plane");
@@ -637,7 +645,7 @@ mod tests {
                 assert_ne!(sign, Ordering::Greater, "{plane:?} {ray:?} {bound}");
                 // A little further they are kept.
                 let slope = (plane.normal * ray.direction).element_sum();
-                let inside = bound * (1.0 + 1e-6 * (slope * bound).signum());
+                let inside = bound * (1.0 + 1e-6 * slope.signum() * bound.signum());
                 close += usize::from(sign_at(&plane, &ray, inside) == Ordering::Greater);
             }
             begun += usize::from(after.is_finite());

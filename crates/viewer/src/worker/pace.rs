@@ -9,9 +9,10 @@ const BUDGET: Duration = Duration::from_millis(30);
 /// The longest time of a first pass where leaving out rays saves little. With a longer one fewer than 30 pictures a
 /// second follow the hand on average; with a shorter one rays are left out in vain.
 pub const LONGEST: Duration = Duration::from_millis(37);
-/// The part of a denser pass's time from which on a sparser one saves little: of a mesh with several triangles a ray,
-/// every 4th ray in both directions takes three quarters of the time of every 2nd, and shows a quarter of the rays. With
-/// a lesser part pictures would be slower for a few more rays.
+/// A sparser pass saves little if it takes more than this part of the denser one's time. Of a mesh with several
+/// triangles a ray, every 4th ray in both directions takes three quarters of the time of every 2nd (`bench --passes`),
+/// and shows a quarter of the rays. With a greater part rays are left out in vain; with a lesser one a pass that would
+/// save half is not made.
 const SAVES_LITTLE: f64 = 0.7;
 /// A full picture that takes at most this long follows the first pass immediately: passes between would hardly be
 /// visible, and sparse rays cost more each.
