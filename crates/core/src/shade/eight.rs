@@ -69,10 +69,11 @@ impl TileShader<'_> {
     ) {
         let simd = self.shader().simd();
         match self.shader().row_colors(colors) {
-            Some(colors) => {
+            Some((colors, planar)) => {
                 let work = ShadeScanlines {
                     shader: self,
                     colors,
+                    planar,
                     lattice,
                     hits,
                     picture,

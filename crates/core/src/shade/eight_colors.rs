@@ -37,6 +37,8 @@ pub(super) enum RowColors {
     Flat,
     /// [`EightColors::Smooth`], without textures.
     Smooth,
+    /// [`EightColors::Smooth`] where no mesh has normals, without textures.
+    Facets,
     /// [`EightColors::Smooth`], with textures.
     SmoothTextured,
     /// [`EightColors::Normals`].

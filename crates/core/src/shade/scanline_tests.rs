@@ -1,9 +1,10 @@
 //! Rows of samples against single ones, where a row is longer than what is shaded at once and some of its triangles have
 //! no accurate linear functions.
 
+use super::eight_colors::{EightColors, RowColors};
 use super::facet::Interpolation;
 use super::spans::{COLUMNS, Span, spans};
-use super::{Filter, LightSet, Mode, Shader, Shading, short_spans};
+use super::{Filter, LightSet, Mode, Shader, Shading, Wireframe, short_spans};
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, MISS, Precision};
@@ -212,6 +213,51 @@ fn rows_of_small_triangles_have_the_colours_of_their_samples() {
     }
 }
 
+/// Meshes without normals in the smooth mode.
+#[test]
+fn rows_of_facets_under_light_have_the_colours_of_their_samples() {
+    let mut crumbs = Object::new("crumbs", crumbs(&mut Random(78), false));
+    crumbs.color = ColorRule::PerTriangle { seed: 2 };
+    let wall = Mesh::new(MeshData {
+        positions: WALL.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    });
+    let scene = Scene {
+        objects: vec![crumbs, Object::new("wall", Arc::new(wall))],
+    };
+    let mut shadings = Vec::new();
+    for lights in [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint] {
+        for (back_faces, wireframe) in [
+            (None, None),
+            (Some(Color([200, 30, 90])), None),
+            (None, Some(Wireframe::default())),
+        ] {
+            shadings.push(Shading {
+                mode: Mode::Smooth,
+                lights,
+                back_faces,
+                wireframe,
+                ..Shading::default()
+            });
+        }
+    }
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let accel = Accel::build(&scene).expect("a good scene");
+        let camera = camera(projection, 0.0);
+        for &shading in &shadings {
+            let shader = Shader::new(&scene, &accel, camera, shading);
+            let way = shader.row_colors(EightColors::Smooth);
+            assert!(matches!(way, Some((RowColors::Facets, _))), "{shading:?}");
+        }
+        let counts = compare(&scene, (projection, 0.0), &shadings);
+        assert!(
+            counts.alone > 30_000 && counts.misses > 10_000,
+            "{counts:?}"
+        );
+    }
+}
+
 /// Compares rows with single samples, and sees that both kinds of triangles occur.
 fn check(scene: &Scene, shadings: &[Shading]) {
     let counts = compare(scene, (Projection::Perspective, 0.0), shadings);
@@ -233,17 +279,20 @@ struct Counts {
     short: usize,
 }
 
-/// Compares rows with single samples, seen from before a point of the x axis.
-fn compare(scene: &Scene, (projection, x): (Projection, f64), shadings: &[Shading]) -> Counts {
-    let at = DVec3::new;
-    let accel = Accel::build(scene).expect("a good scene");
+fn camera(projection: Projection, x: f64) -> Camera {
     let plane = ImagePlane::new(150, 30, 0.06).expect("a good plane");
     let pose = Pose {
-        eye: at(x, 0.0, 5.0),
-        target: at(x, 0.0, 0.0),
+        eye: DVec3::new(x, 0.0, 5.0),
+        target: DVec3::new(x, 0.0, 0.0),
         up: DVec3::Y,
     };
-    let camera = Camera::new(pose, projection, plane);
+    Camera::new(pose, projection, plane)
+}
+
+/// Compares rows with single samples, seen from before a point of the x axis.
+fn compare(scene: &Scene, (projection, x): (Projection, f64), shadings: &[Shading]) -> Counts {
+    let accel = Accel::build(scene).expect("a good scene");
+    let camera = camera(projection, x);
     let rect = Rect {
         x: 1,
         y: 0,

@@ -24,7 +24,8 @@ use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::{MISS, PrimitiveHit};
 use glam::Vec3;
 use looks::{
-    FlatLight, Greys, Look, NormalColors, OwnColorLook, SmoothLight, TextureCoordinates, Weights,
+    FacetLight, FlatLight, Greys, Look, NormalColors, OwnColorLook, SmoothLight,
+    TextureCoordinates, Weights,
 };
 use outputs::{Bytes, Light, Out, Unencoded};
 
@@ -61,6 +62,7 @@ impl Columns {
 pub(super) struct ShadeScanlines<'t, 's, 'h, 'p> {
     pub(super) shader: &'t mut TileShader<'s>,
     pub(super) colors: RowColors,
+    pub(super) planar: &'s PlanarRays,
     pub(super) lattice: Lattice,
     pub(super) hits: HitRows<'h>,
     pub(super) picture: Target<'t, 'p>,
@@ -72,14 +74,12 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         let Self {
             shader: tile,
             colors,
+            planar,
             lattice,
             hits,
             mut picture,
         } = self;
         let shader = tile.shader();
-        let Some(planar) = shader.planar() else {
-            return;
-        };
         let width = lattice.columns as usize;
         let mut numbers = [Numbers::all(0.0); NUMBERS];
         let mut textures = colors.have_textures().then(RowTextures::new);
@@ -293,6 +293,10 @@ impl<'s> Scanline<'_, 's, '_> {
                 fill(lanes, facet.light.to_array(), numbers, span);
                 fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
             }
+            RowColors::Facets => {
+                fill(lanes, facet.normal.to_array(), numbers, span);
+                fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
+            }
             RowColors::Smooth | RowColors::SmoothTextured | RowColors::Normals => {
                 let Some(normal) = &facet.linear_normal else {
                     return false;
@@ -366,6 +370,7 @@ impl<'s> Scanline<'_, 's, '_> {
             RowColors::Smooth | RowColors::SmoothTextured => {
                 self.color_by(lanes, &SmoothLight, samples, out);
             }
+            RowColors::Facets => self.color_by(lanes, &FacetLight, samples, out),
             RowColors::Normals => self.color_by(lanes, &NormalColors, samples, out),
             RowColors::Depth => self.color_by(lanes, &Greys, samples, out),
             RowColors::Barycentric => self.color_by(lanes, &Weights, samples, out),

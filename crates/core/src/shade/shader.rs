@@ -54,7 +54,7 @@ pub struct Shader<'a> {
     /// The direction from hits to the eye, not of unit length, is linear in the pixel: its value at the picture's top left
     /// corner, and its derivatives along x and y. Zero in panoramas.
     to_eye: [Vec3; 3],
-    /// The rays as linear functions of the place; `None` where colours take t, u and v from the hits.
+    /// The rays as linear functions of the place; `None` in panoramas and pictures for two eyes.
     planar: Option<PlanarRays>,
     lights: Lights,
     /// Whether normals are fetched before they are read.
@@ -102,7 +102,7 @@ impl<'a> Shader<'a> {
             needs,
             eye: camera.pose().eye - accel.origin(),
             to_eye: to_eye(&camera),
-            planar: None,
+            planar: PlanarRays::new(&camera, accel.origin()),
             lights: Lights::new(&camera, shading.lights),
             prefetches: prefetch::is_worth_it(scene, &needs),
             creased: creased(scene, &shading),
@@ -134,15 +134,12 @@ impl<'a> Shader<'a> {
             tables: srgb::tables(),
         }
         .with_backdrops()
-        .with_planar_rays()
+        .with_interpolants()
     }
 
-    /// The shader with the rays' linear functions, where colours can take t, u and v from those.
-    fn with_planar_rays(mut self) -> Self {
-        if self.can_interpolate() {
-            self.planar = PlanarRays::new(&self.camera, self.accel.origin());
-            self.needs.interpolants = self.planar.is_some();
-        }
+    /// The shader with triangles' linear functions, where colours can take t, u and v from those.
+    fn with_interpolants(mut self) -> Self {
+        self.needs.interpolants = self.planar.is_some() && self.can_interpolate();
         self
     }
 
@@ -369,7 +366,7 @@ impl<'a> Shader<'a> {
     /// The rays as linear functions of the place, where colours take t, u and v from those.
     #[inline(always)]
     pub(super) fn planar(&self) -> Option<&PlanarRays> {
-        self.planar.as_ref()
+        self.planar.as_ref().filter(|_| self.needs.interpolants)
     }
 
     /// The direction to the eye, not of unit length, at a planar picture's top left corner, and its changes a pixel along x

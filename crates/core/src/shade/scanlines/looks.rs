@@ -34,20 +34,41 @@ pub(super) struct SmoothLight;
 impl Look for SmoothLight {
     #[inline(always)]
     fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
-        let shader = row.tile.shader();
-        let [x, y, z] = &row.columns.to_eye;
-        let along = [
-            lanes.load(x.eight(at)),
-            lanes.load(y.eight(at)),
-            lanes.load(z.eight(at)),
-        ];
-        let [_, _, down] = *shader.to_eye();
-        let down = Vectors::splat(lanes, down).scaled(lanes.splat(row.y as f32));
-        let to_eye = Vectors::new(lanes, along).plus(down);
-        let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
-        let light = shader.light(lanes, row.unit_normals(lanes, at), to_eye);
-        EightSamples::Light(row.vectors(lanes, 3, at).times(light))
+        lit(lanes, row, at, row.unit_normals(lanes, at))
     }
+}
+
+/// [`SmoothLight`] on normals that are of unit length.
+pub(super) struct FacetLight;
+
+impl Look for FacetLight {
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
+        lit(lanes, row, at, row.vectors(lanes, 0, at))
+    }
+}
+
+/// The samples' own colours under the light on these unit normals.
+#[inline(always)]
+fn lit<L: Lanes>(
+    lanes: L,
+    row: &Scanline<'_, '_, '_>,
+    at: usize,
+    normals: Vectors<L>,
+) -> EightSamples<L> {
+    let shader = row.tile.shader();
+    let [x, y, z] = &row.columns.to_eye;
+    let along = [
+        lanes.load(x.eight(at)),
+        lanes.load(y.eight(at)),
+        lanes.load(z.eight(at)),
+    ];
+    let [_, _, down] = *shader.to_eye();
+    let down = Vectors::splat(lanes, down).scaled(lanes.splat(row.y as f32));
+    let to_eye = Vectors::new(lanes, along).plus(down);
+    let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
+    let light = shader.light(lanes, normals, to_eye);
+    EightSamples::Light(row.vectors(lanes, 3, at).times(light))
 }
 
 pub(super) struct NormalColors;

@@ -6,6 +6,7 @@ use crate::hit::{Detail, HitNumbers};
 use crate::scene::{Object, Reflectance, Scene};
 use crate::shade::eight_colors::{EightColors, RowColors};
 use crate::shade::facet::Needs;
+use crate::shade::interpolants::PlanarRays;
 use crate::shade::own_color::OwnColors;
 use crate::shade::{Mode, Shading};
 use std::sync::Arc;
@@ -23,7 +24,7 @@ const PIXELS_A_TRIANGLE: f64 = 16.0;
 impl Shader<'_> {
     /// Whether colours depend on where rays hit, or on the triangles and the places of the samples alone.
     pub fn detail(&self) -> Detail {
-        if self.planar.is_none() && (self.varies_within_triangles() || self.needs_hits()) {
+        if !self.needs.interpolants && (self.varies_within_triangles() || self.needs_hits()) {
             Detail::Full
         } else {
             Detail::Triangle
@@ -149,16 +150,22 @@ impl Shader<'_> {
 }
 
 impl Shader<'_> {
-    /// How whole rows are shaded; `None` where eight samples are shaded at once.
-    pub(in crate::shade) fn row_colors(&self, colors: EightColors) -> Option<RowColors> {
+    /// How whole rows are shaded, and by which rays; `None` where eight samples are shaded at once.
+    pub(in crate::shade) fn row_colors(
+        &self,
+        colors: EightColors,
+    ) -> Option<(RowColors, &PlanarRays)> {
         let needs = self.needs;
         let has_footprints = needs.texture && self.filter().has_footprint();
         let has_chosen_lines = needs.edges && self.lines.choice.is_some();
         let others = has_chosen_lines || has_footprints || needs.varied || self.has_overlay();
-        if others || self.planar.is_none() {
+        if others {
             return None;
         }
-        match colors {
+        let rays = self.planar.as_ref()?;
+        let colors = match colors {
+            EightColors::Smooth if !needs.smooth && !needs.texture => Some(RowColors::Facets),
+            _ if !needs.interpolants => None,
             EightColors::Own if needs.texture => Some(RowColors::Own),
             EightColors::Flat if needs.texture => Some(RowColors::Flat),
             EightColors::Smooth if needs.texture => Some(RowColors::SmoothTextured),
@@ -168,7 +175,8 @@ impl Shader<'_> {
             EightColors::Barycentric => Some(RowColors::Barycentric),
             EightColors::Uv => Some(RowColors::Uv),
             _ => None,
-        }
+        };
+        Some((colors?, rays))
     }
 }
 
