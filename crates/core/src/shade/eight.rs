@@ -3,6 +3,7 @@
 //! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
 //! are the same to the bit.
 
+use super::TileShader;
 use super::eight_colors::{EightColors, EightSamples, Target, TargetRow};
 use super::facet::Facet;
 use super::hit_rows::{EightHits, EightNumbers, HitRows};
@@ -10,7 +11,6 @@ use super::reflection::Surfaces;
 use super::scanlines::ShadeScanlines;
 use super::tile_rays::TileRays;
 use super::vectors::{Rows, Vectors};
-use super::{TileShader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::hits::{any_misses, runs};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
@@ -237,47 +237,46 @@ impl TileShader<'_> {
         }
     }
 
-    /// Of eight pixels, those that show no triangle show what lies behind.
+    /// Of eight pixels, draws those that show no triangle, or lines of the overlay or the ground before one.
     #[inline(always)]
-    fn show_behind(
-        &self,
-        rays: &TileRays,
-        (column, row): (u32, u32),
-        primitives: &[u32; LANES],
-        pixels: &mut [[u8; 4]; LANES],
-    ) {
-        if !any_misses(primitives) {
-            return;
-        }
-        let shader = self.shader();
-        let backdrop = shader.backdrop8(rays.pixel_row(row));
-        let (xs, y) = (rays.eight_places(column, row), rays.row(row));
-        let shown = shader.may_overlay(&xs, y);
-        for (lane, (&primitive, pixel)) in primitives.iter().zip(pixels).enumerate() {
-            if primitive == MISS {
-                *pixel = match shown[lane] {
-                    true => srgb::encode(shader.behind(xs[lane], y)),
-                    false => backdrop,
-                };
-            }
-        }
-    }
-
-    /// Of eight pixels, those that show the ground before a triangle.
-    fn show_ground(
+    fn show_others(
         &mut self,
         rays: &TileRays,
         (column, row): (u32, u32),
         hits: &EightHits<'_>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
+        let shader = self.shader();
+        let covered = match shader.has_overlay() {
+            true => self.may_be_covered(hits.primitives),
+            false => [false; LANES],
+        };
+        if covered == [false; LANES] && !any_misses(hits.primitives) {
+            return;
+        }
+        let backdrop = shader.backdrop8(rays.pixel_row(row));
+        let (xs, y) = (rays.eight_places(column, row), rays.row(row));
+        let shown = shader.may_overlay(&xs, y);
         for (lane, pixel) in pixels.iter_mut().enumerate() {
-            let (x, y) = rays.place(column + lane as u32, row);
-            let hit = hits.get(lane);
-            if hit.primitive != MISS && self.facet(hit.primitive, x).shows_ground {
-                *pixel = self.pixel8(x, y, &hit);
+            let is_miss = hits.primitives[lane] == MISS;
+            if shown[lane] && (is_miss || covered[lane]) {
+                *pixel = self.pixel8(xs[lane], y, &hits.get(lane));
+            } else if is_miss {
+                *pixel = backdrop;
             }
         }
+    }
+
+    /// Before which of eight triangles lines of the overlay or the ground may lie.
+    #[inline(never)]
+    fn may_be_covered(&mut self, primitives: &[u32; LANES]) -> [bool; LANES] {
+        let shader = self.shader();
+        let has_lines = shader.lines.overlay.is_some();
+        let has_ground = shader.needs().ground;
+        primitives.map(|primitive| {
+            primitive != MISS
+                && (has_lines || has_ground && self.facet(primitive, 0.0).shows_ground)
+        })
     }
 
     /// Colours of the triangles that eight samples show, each under the light on it.
@@ -431,12 +430,16 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                     false => hits.eight(begin + at.start),
                 };
                 let is_empty = *hits.primitives == [MISS; LANES];
-                if is_plain & is_empty {
+                if is_empty {
                     if let Some(pixels) = pixels.get_mut(at.clone()) {
                         pixels.fill(backdrop);
+                        if !is_plain {
+                            let xs = rays.eight_places(place.0, row);
+                            shader.overlay(&xs, rays.row(row), pixels);
+                        }
                         continue;
                     }
-                    if let Some(behind) = behind {
+                    if let (true, Some(behind)) = (is_plain, behind) {
                         light[at].fill(behind);
                         continue;
                     }
@@ -451,7 +454,7 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                 let out = pixels.get_mut(at.clone()).and_then(<[_]>::first_chunk_mut);
                 if let (true, None, Some(out)) = (is_constant, &lines, out) {
                     tile.show_constants(hits.primitives, out);
-                    tile.show_behind(&rays, place, hits.primitives, out);
+                    tile.show_others(&rays, place, &hits, out);
                     continue;
                 }
                 let mut eight = if is_empty {
@@ -469,7 +472,7 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                 }
                 store_opaque(eight.light(lanes, shader.tables), &mut light[at]);
                 let light = &mut light[place.0 as usize..];
-                if any_misses(hits.primitives) || shader.needs().ground {
+                if any_misses(hits.primitives) || !is_plain {
                     tile.light_others(&rays, place, behind, &hits, light);
                 }
             }
@@ -515,13 +518,10 @@ impl TileShader<'_> {
             EightSamples::Light(light) => shader.tables.encode_row(lanes, light, pixels),
             EightSamples::Display(values) => shader.tables.display_row(lanes, values, pixels),
         }
-        if shader.needs().ground {
-            self.show_ground(rays, place, hits, pixels);
-        }
-        self.show_behind(rays, place, hits.primitives, pixels);
+        self.show_others(rays, place, hits, pixels);
     }
 
-    /// Of eight samples, those that show no triangle, or the ground before one.
+    /// [`TileShader::show_others`] in linear light. `behind`: what all that show no triangle, line or ground show.
     #[inline(never)]
     fn light_others(
         &mut self,
@@ -531,16 +531,22 @@ impl TileShader<'_> {
         hits: &EightHits<'_>,
         light: &mut [[f32; 4]],
     ) {
+        let shader = self.shader();
+        let covered = match shader.has_overlay() {
+            true => self.may_be_covered(hits.primitives),
+            false => [false; LANES],
+        };
+        if covered == [false; LANES] && !any_misses(hits.primitives) {
+            return;
+        }
         let (xs, y) = (rays.eight_places(column, row), rays.row(row));
-        let shown = self.shader().may_overlay(&xs, y);
+        let shown = shader.may_overlay(&xs, y);
         for (lane, light) in light.iter_mut().take(LANES).enumerate() {
-            let x = xs[lane];
-            let hit = hits.get(lane);
-            if hit.primitive == MISS {
-                let behind = behind.filter(|_| !shown[lane]);
-                *light = behind.unwrap_or_else(|| self.shader().behind(x, y));
-            } else if self.facet(hit.primitive, x).shows_ground && self.shader().needs().ground {
-                *light = self.color(x, y, &hit);
+            let is_miss = hits.primitives[lane] == MISS;
+            if is_miss && !shown[lane] {
+                *light = behind.unwrap_or_else(|| shader.behind(xs[lane], y));
+            } else if is_miss || shown[lane] && covered[lane] {
+                *light = self.color(xs[lane], y, &hits.get(lane));
             }
         }
     }

@@ -4,6 +4,7 @@ use super::edge_choice::{EdgeChoice, SilhouetteView};
 use super::edges::{EdgeLines, LineStyle, covered};
 use crate::bvh::Accel;
 use crate::camera::Camera;
+use crate::num::simd::LANES;
 use crate::scene::ClippingPlanes;
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
@@ -93,7 +94,7 @@ impl LineOverlay {
 
     /// Puts segments into cells: counts them, then lays them down.
     fn sort(&mut self, rows: usize) {
-        let reach = self.width + 1.0;
+        let reach = self.reach();
         for segment in &self.segments {
             cells(segment, reach, (self.columns, rows), |cell| {
                 self.starts[cell + 1] += 1;
@@ -118,6 +119,28 @@ impl LineOverlay {
         let range = self.starts.get(cell).zip(self.starts.get(cell + 1));
         let lines = range.map_or(&[][..], |(from, to)| &self.lines[*from..*to]);
         lines.iter().map(|line| &self.segments[*line as usize])
+    }
+
+    /// For eight places of a row, from left to right, whether a line may reach them: `false` is certain.
+    pub(super) fn may_reach(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
+        // Cells of a row lie one after another.
+        let cell = |x: f64| (y / CELL) as usize * self.columns + (x / CELL) as usize;
+        let end = self.lines.len();
+        let begin = |cell: usize| self.starts.get(cell).copied().unwrap_or(end);
+        if begin(cell(xs[0])) == begin(cell(xs[LANES - 1]) + 1) {
+            return [false; LANES];
+        }
+        let reach = self.reach();
+        xs.map(|x| {
+            let place = DVec2::new(x, y);
+            self.near(x, y)
+                .any(|segment| segment.nearest(place).1 < reach)
+        })
+    }
+
+    /// The distance from a segment, in pixels, beyond which its line covers nothing: with a margin of half a pixel.
+    fn reach(&self) -> f64 {
+        self.width + 1.0
     }
 
     /// How much of a hidden line shows at a place of the picture, as if nothing hid it, and in which style.

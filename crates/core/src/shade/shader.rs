@@ -172,13 +172,30 @@ impl<'a> Shader<'a> {
         self.lines.overlay.is_some() || self.ground.is_some()
     }
 
-    /// For eight places of a row, whether lines or the ground may show where nothing is hit: `false` is certain.
+    /// For eight places of a row, from left to right, whether lines of the overlay or the ground may show: `false` is
+    /// certain.
     #[inline(always)]
     pub(super) fn may_overlay(&self, xs: &[f64; LANES], y: f64) -> [bool; LANES] {
-        match &self.ground {
-            _ if self.lines.overlay.is_some() => [true; LANES],
+        let mut shown = match &self.ground {
             Some(ground) => ground.may_show(xs, y),
             None => [false; LANES],
+        };
+        if let Some(lines) = &self.lines.overlay {
+            for (shown, reached) in shown.iter_mut().zip(lines.may_reach(xs, y)) {
+                *shown |= reached;
+            }
+        }
+        shown
+    }
+
+    /// Of pixels of a row that show the background, at most eight, draws those over which lines or the ground show.
+    #[inline(always)]
+    pub(super) fn overlay(&self, xs: &[f64; LANES], y: f64, pixels: &mut [[u8; 4]]) {
+        let shown = self.may_overlay(xs, y);
+        for ((&x, shown), pixel) in xs.iter().zip(shown).zip(pixels) {
+            if shown {
+                *pixel = srgb::encode(self.behind(x, y));
+            }
         }
     }
 
@@ -515,12 +532,7 @@ impl Work for OverlaidRow<'_, '_> {
             for (column, x) in (column..).zip(&mut xs) {
                 *x = f64::from(column) + 0.5;
             }
-            let shown = shader.may_overlay(&xs, y);
-            for (pixel, (x, shown)) in pixels.iter_mut().zip(xs.into_iter().zip(shown)) {
-                if shown {
-                    *pixel = srgb::encode(shader.behind(x, y));
-                }
-            }
+            shader.overlay(&xs, y, pixels);
         }
     }
 }

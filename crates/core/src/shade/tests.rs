@@ -6,8 +6,8 @@ use crate::camera::{Camera, ImagePlane, Lattice, Pose, Projection, Rect};
 use crate::hit::{Cull, Detail, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::scene::{
-    Attribute, Color, ColorRule, Material, Mesh, MeshData, Object, Photograph, Scalar, ScalarAt,
-    Scene, Texture, TextureProjection, Transform,
+    Attribute, ClippingPlanes, Color, ColorRule, Material, Mesh, MeshData, Object, Photograph,
+    Scalar, ScalarAt, Scene, Texture, TextureProjection, Transform,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -493,12 +493,22 @@ fn check_tiles(with_normals: bool) {
         .flat_map(|row| (0..lattice.columns).map(move |column| lattice.place(column, row)))
         .collect();
     let sample_hits: Hits = samples.iter().map(|&(x, y)| bench.hit(x, y)).collect();
+    let outlined = |edges: &str, hidden: f32| {
+        Some(Wireframe {
+            edges: edges.parse().expect("kinds of edges"),
+            hidden,
+            ..Wireframe::default()
+        })
+    };
     for shown in Mode::ALL {
         for (wireframe, ground) in [
             (None, None),
             (Some(Wireframe::default()), None),
             (None, Some(Ground::Lowest)),
             (None, Some(Ground::At(0.1))),
+            (outlined("all", 0.3), None),
+            (outlined("silhouette", 0.0), None),
+            (outlined("silhouette,boundary", 0.5), Some(Ground::At(0.1))),
         ] {
             let filters = [
                 Filter::Nearest,
@@ -515,7 +525,7 @@ fn check_tiles(with_normals: bool) {
                     filter: filters[index % 4],
                     ..mode(shown)
                 };
-                let shader = bench.shader(shading);
+                let shader = bench.shader(shading).with_overlay(&ClippingPlanes::NONE);
                 let mut pixels = vec![[0; 4]; rect.area()];
                 let columns = rect.width as usize;
                 shader.tile().shade(rect, &hits, pixels.chunks_mut(columns));

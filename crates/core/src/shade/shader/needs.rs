@@ -130,7 +130,7 @@ impl Shader<'_> {
         let is_parallel = self.camera.projection().is_parallel();
         let shows_ground = self.ground.is_some() && is_parallel;
         let bends_lines = self.needs.edges && self.is_panoramic();
-        if shows_ground || bends_lines || self.lines.overlay.is_some() || self.has_many_eyes() {
+        if shows_ground || bends_lines || self.has_many_eyes() {
             return None;
         }
         match self.shading.mode {
