@@ -3,7 +3,6 @@
 //! Each lane does what [`Shader::color`](super::Shader::color) does for one sample, operation by operation, so that colours
 //! are the same to the bit.
 
-use super::TileShader;
 use super::eight_colors::{EightColors, EightSamples, Target, TargetRow};
 use super::facet::Facet;
 use super::hit_rows::{EightHits, EightNumbers, HitRows};
@@ -11,6 +10,7 @@ use super::reflection::Surfaces;
 use super::scanlines::ShadeScanlines;
 use super::tile_rays::TileRays;
 use super::vectors::{Rows, Vectors};
+use super::{TileShader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::hits::{any_misses, runs};
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
@@ -435,12 +435,17 @@ impl Work for ShadeEights<'_, '_, '_, '_> {
                         pixels.fill(backdrop);
                         if !is_plain {
                             let xs = rays.eight_places(place.0, row);
-                            shader.overlay(&xs, rays.row(row), pixels);
+                            shader.overlay((&xs, rays.row(row)), pixels, srgb::encode);
                         }
                         continue;
                     }
-                    if let (true, Some(behind)) = (is_plain, behind) {
-                        light[at].fill(behind);
+                    if let Some(behind) = behind {
+                        let light = &mut light[at];
+                        light.fill(behind);
+                        if !is_plain {
+                            let xs = rays.eight_places(place.0, row);
+                            shader.overlay((&xs, rays.row(row)), light, |behind| behind);
+                        }
                         continue;
                     }
                 }

@@ -3,7 +3,7 @@
 pub(in crate::shade) mod lines;
 
 use super::Ground;
-use super::edges::covered;
+use super::edges::reach;
 use super::srgb::{self, over};
 use crate::camera::Camera;
 use crate::math;
@@ -11,7 +11,7 @@ use crate::num::simd::LANES;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use lines::{
-    APART, AXIS_WIDTH, CLOSEST, COARSER, GroundLines, REACH, Seen, WHOLE_LIMIT, from_whole,
+    APART, AXIS_WIDTH, CLOSEST, COARSER, EightSeen, GroundLines, Seen, WHOLE_LIMIT, from_whole,
 };
 
 /// The opacity of each type of line.
@@ -30,8 +30,8 @@ pub(super) struct GroundGrid {
     height: f64,
     /// A cell's width: a power of ten, between a fifth and a fiftieth of the scene's size.
     cell: f64,
-    lines: Vec3,
-    axes: [Vec3; 2],
+    /// Those of plain lines, and of the lines at x = 0 and at z = 0.
+    colors: [Vec3; 3],
     /// Which places are close to lines; `None` where that is not known.
     close: Option<GroundLines>,
 }
@@ -63,8 +63,8 @@ impl GroundGrid {
             height,
             cell,
             close: GroundLines::new(camera, height, cell),
-            lines: srgb::linear(Ground::LINES),
-            axes: [Ground::X_AXIS, Ground::Z_AXIS].map(srgb::linear),
+            // Lines at constant x run along z, and conversely.
+            colors: [Ground::LINES, Ground::Z_AXIS, Ground::X_AXIS].map(srgb::linear),
         })
     }
 
@@ -170,41 +170,80 @@ impl GroundGrid {
     /// The fraction of the pixel that lines cover, and the colour of the line that covers most, at x and z in cells that
     /// change by these rates from pixel to pixel.
     fn line(&self, places: [f64; 2], rates: [f64; 2]) -> (f64, Vec3) {
-        let mut most = (0.0, self.lines);
-        // Lines at constant x run along z, and conversely.
-        for (axis, color) in [(0, self.axes[1]), (1, self.axes[0])] {
-            let (place, rate) = (places[axis], rates[axis]);
-            let is_good = rate > 0.0 && rate.is_finite() && place.abs() < WHOLE_LIMIT;
-            // Every line is at a whole number.
-            if !is_good || from_whole(place).abs() > REACH * rate {
-                continue;
-            }
-            let line = |cells: f64, width: f64| {
-                let (place, rate) = (place / cells, rate / cells);
-                let fade = ((1.0 / rate - CLOSEST) / (APART - CLOSEST)).clamp(0.0, 1.0);
-                fade * covered(from_whole(place).abs() / rate, width)
-            };
-            let is_axis = place.abs() < 0.5;
-            let found = [
-                (FINE * line(1.0, 1.0), self.lines),
-                (COARSE * line(COARSER, 1.0), self.lines),
-                (
-                    if is_axis {
-                        AXIS * line(COARSER * COARSER, AXIS_WIDTH)
-                    } else {
-                        0.0
-                    },
-                    color,
-                ),
-            ];
-            for candidate in found {
-                if candidate.0 > most.0 {
-                    most = candidate;
-                }
-            }
-        }
-        most
+        let (coverage, number) = most_covering(places, rates);
+        (coverage, self.colors[number as usize])
     }
+
+    /// [`GroundGrid::over`] a background of one colour at eight places of a row; `None` where each has to be computed by
+    /// itself.
+    #[inline(always)]
+    pub(super) fn over_eight(
+        &self,
+        xs: &[f64; LANES],
+        y: f64,
+        under: [f32; 4],
+    ) -> Option<[[f32; 4]; LANES]> {
+        let EightSeen {
+            places: [at_x, at_z],
+            rates: [by_x, by_z],
+            is_uncertain,
+        } = self.close.as_ref()?.seen_by_eight(xs, y);
+        if is_uncertain {
+            return None;
+        }
+        let [mut coverages, mut numbers] = [[0.0; LANES]; 2];
+        for lane in 0..LANES {
+            let (places, rates) = ([at_x[lane], at_z[lane]], [by_x[lane], by_z[lane]]);
+            (coverages[lane], numbers[lane]) = most_covering(places, rates);
+        }
+        let mut colors = [under; LANES];
+        for (lane, color) in colors.iter_mut().enumerate() {
+            let line = self.colors[numbers[lane] as usize % 3];
+            *color = over(line, coverages[lane] as f32, under);
+        }
+        Some(colors)
+    }
+}
+
+/// The fraction of a pixel that is covered by the line that covers most of it, and the number of its colour: 0 of plain
+/// lines, 1 of that at x = 0, 2 of that at z = 0. `places` are x and z in cells, and `rates` their changes from pixel to
+/// pixel; across one whose rate is not good no line is seen. Without a branch, so that loops over it are vectorised.
+#[inline(always)]
+fn most_covering(places: [f64; 2], rates: [f64; 2]) -> (f64, f64) {
+    let (mut most, mut number) = (0.0, 0.0);
+    for (axis, (place, rate)) in places.into_iter().zip(rates).enumerate() {
+        let is_good = (rate > 0.0) & (rate < f64::INFINITY) & (place.abs() < WHOLE_LIMIT);
+        let inverse = 1.0 / rate;
+        // The distance of such lines in cells, their width and opacity.
+        for (kind, (cells, width, opacity)) in [
+            (1.0, 1.0, FINE),
+            (COARSER, 1.0, COARSE),
+            (COARSER * COARSER, AXIS_WIDTH, AXIS),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let is_axis = kind == 2;
+            let is_there = is_good & (!is_axis | (place.abs() < 0.5));
+            let apart = cells * inverse;
+            let fade = within((apart - CLOSEST) * (1.0 / (APART - CLOSEST)), 1.0);
+            let beside = from_whole(place * (1.0 / cells)).abs() * apart;
+            let (reach, full) = reach(width);
+            let covered = opacity * (fade * within(reach - beside, full));
+            let is_most = is_there & (covered > most);
+            most = if is_most { covered } else { most };
+            let color = if is_axis { axis as f64 + 1.0 } else { 0.0 };
+            number = if is_most { color } else { number };
+        }
+    }
+    (most, number)
+}
+
+/// A number from zero to `most`.
+#[inline(always)]
+fn within(number: f64, most: f64) -> f64 {
+    let number = if number > 0.0 { number } else { 0.0 };
+    if number < most { number } else { most }
 }
 
 #[cfg(test)]
@@ -353,6 +392,33 @@ mod tests {
         assert!(
             covered > 5000 && bare > 100_000,
             "{covered} {bare} {unknown}"
+        );
+    }
+
+    #[test]
+    fn eight_places_show_what_each_shows() {
+        let mut random = Random(29);
+        let [mut lines, mut others] = [0; 2];
+        for camera in cameras() {
+            let ground = GroundGrid::new(&scene(), Ground::Lowest, &camera).expect("a ground");
+            for _ in 0..20_000 {
+                let (x, y) = (random.unit() * 590.0, random.unit() * 400.0);
+                let xs = std::array::from_fn(|lane| x + lane as f64 * 1.2);
+                let under = [0.2, 0.4, 0.1, random.unit() as f32];
+                let Some(eight) = ground.over_eight(&xs, y, under) else {
+                    others += 1;
+                    continue;
+                };
+                for (x, found) in xs.into_iter().zip(eight) {
+                    assert_eq!(found, ground.over(&camera, (x, y), f32::INFINITY, under));
+                    lines += u32::from(found != under);
+                }
+            }
+        }
+        // A panorama has no such places.
+        assert!(
+            lines > 10_000 && (20_000..21_000).contains(&others),
+            "{lines} {others}"
         );
     }
 

@@ -188,15 +188,47 @@ impl<'a> Shader<'a> {
         shown
     }
 
-    /// Of pixels of a row that show the background, at most eight, draws those over which lines or the ground show.
+    /// Of samples of a row that show the background, at most eight, draws those over which lines or the ground show;
+    /// `encode` makes a sample of a colour in linear light with straight alpha.
     #[inline(always)]
-    pub(super) fn overlay(&self, xs: &[f64; LANES], y: f64, pixels: &mut [[u8; 4]]) {
+    pub(super) fn overlay<T>(
+        &self,
+        (xs, y): (&[f64; LANES], f64),
+        samples: &mut [T],
+        encode: impl Fn([f32; 4]) -> T,
+    ) {
         let shown = self.may_overlay(xs, y);
-        for ((&x, shown), pixel) in xs.iter().zip(shown).zip(pixels) {
+        if shown == [false; LANES] {
+            return;
+        }
+        let behind = self.eight_behind(xs, y, &shown);
+        for ((behind, shown), sample) in behind.into_iter().zip(shown).zip(samples) {
             if shown {
-                *pixel = srgb::encode(self.behind(x, y));
+                *sample = encode(behind);
             }
         }
+    }
+
+    /// [`Shader::behind`] at those of eight places of a row that are wanted; anything at the others.
+    #[inline(always)]
+    pub(super) fn eight_behind(
+        &self,
+        xs: &[f64; LANES],
+        y: f64,
+        wanted: &[bool; LANES],
+    ) -> [[f32; 4]; LANES] {
+        if let (Some(ground), None) = (&self.ground, &self.lines.overlay)
+            && let Some(behind) = ground.over_eight(xs, y, self.backdrop(y))
+        {
+            return behind;
+        }
+        let mut all = [[0.0; 4]; LANES];
+        for ((&x, &is_wanted), behind) in xs.iter().zip(wanted).zip(&mut all) {
+            if is_wanted {
+                *behind = self.behind(x, y);
+            }
+        }
+        all
     }
 
     /// The section that clipping planes make, if any is seen.
@@ -532,7 +564,7 @@ impl Work for OverlaidRow<'_, '_> {
             for (column, x) in (column..).zip(&mut xs) {
                 *x = f64::from(column) + 0.5;
             }
-            shader.overlay(&xs, y, pixels);
+            shader.overlay((&xs, y), pixels, srgb::encode);
         }
     }
 }

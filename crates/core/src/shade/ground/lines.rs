@@ -35,7 +35,7 @@ pub(in crate::shade) const WHOLE_LIMIT: f64 = (1u64 << 51) as f64;
 const WHOLE: f64 = (3u64 << 51) as f64;
 
 /// A hundredth more than the reach of the widest line, in pixels.
-pub(in crate::shade) const REACH: f64 = reach(AXIS_WIDTH).0 * 1.01;
+const REACH: f64 = reach(AXIS_WIDTH).0 * 1.01;
 
 /// How far a number below [`WHOLE_LIMIT`] is from the nearest whole one.
 #[inline(always)]
@@ -67,6 +67,16 @@ pub(in crate::shade) enum Seen {
         /// By how much each changes from pixel to pixel.
         rates: [f64; 2],
     },
+}
+
+/// Where eight rays are seen to meet the ground.
+pub(in crate::shade) struct EightSeen {
+    /// x and z, in cells.
+    pub(in crate::shade) places: [[f64; LANES]; 2],
+    /// By how much each changes from pixel to pixel.
+    pub(in crate::shade) rates: [[f64; LANES]; 2],
+    /// Whether errors of any of them could be seen.
+    pub(in crate::shade) is_uncertain: bool,
 }
 
 /// A vector that is linear over the picture: its value at the top left corner, and its derivatives by x and y in pixels.
@@ -215,6 +225,30 @@ impl GroundLines {
             along: meeting.along,
             places: meeting.places,
             rates: [x.sqrt(), z.sqrt()],
+        }
+    }
+
+    /// How eight rays of a row are seen to meet the ground. Where one does not, its rates are zero.
+    #[inline(always)]
+    pub(in crate::shade) fn seen_by_eight(&self, xs: &[f64; LANES], y: f64) -> EightSeen {
+        let [mut places, mut rates] = [[[0.0; LANES]; 2]; 2];
+        let mut is_known = [0.0; LANES];
+        for lane in 0..LANES {
+            let meeting = self.meeting(xs[lane], y);
+            let misses = meeting.along <= 0.0;
+            let mut are_known = true;
+            for number in 0..2 {
+                let (place, squared) = (meeting.places[number], meeting.squared[number]);
+                are_known &= (squared > FINEST) & (place.abs() < FURTHEST);
+                places[number][lane] = place;
+                rates[number][lane] = if misses { 0.0 } else { squared.sqrt() };
+            }
+            is_known[lane] = if are_known | misses { 1.0 } else { 0.0 };
+        }
+        EightSeen {
+            places,
+            rates,
+            is_uncertain: is_known != [1.0; LANES],
         }
     }
 
