@@ -246,25 +246,42 @@ impl TileShader<'_> {
         hits: &EightHits<'_>,
         pixels: &mut [[u8; 4]; LANES],
     ) {
-        let shader = self.shader();
-        let covered = match shader.has_overlay() {
-            true => self.may_be_covered(hits.primitives),
-            false => [false; LANES],
-        };
-        if covered == [false; LANES] && !any_misses(hits.primitives) {
+        let Some((xs, overlaid)) = self.overlaid(rays, (column, row), hits.primitives) else {
             return;
-        }
-        let backdrop = shader.backdrop8(rays.pixel_row(row));
-        let (xs, y) = (rays.eight_places(column, row), rays.row(row));
-        let shown = shader.may_overlay(&xs, y);
+        };
+        let backdrop = self.shader().backdrop8(rays.pixel_row(row));
         for (lane, pixel) in pixels.iter_mut().enumerate() {
-            let is_miss = hits.primitives[lane] == MISS;
-            if shown[lane] && (is_miss || covered[lane]) {
-                *pixel = self.pixel8(xs[lane], y, &hits.get(lane));
-            } else if is_miss {
+            if overlaid[lane] {
+                *pixel = self.pixel8(xs[lane], rays.row(row), &hits.get(lane));
+            } else if hits.primitives[lane] == MISS {
                 *pixel = backdrop;
             }
         }
+    }
+
+    /// The x of eight places of a row, and over which of what is seen there lines of the overlay or the ground may lie;
+    /// `None` where all show triangles alone.
+    #[inline(always)]
+    fn overlaid(
+        &mut self,
+        rays: &TileRays,
+        (column, row): (u32, u32),
+        primitives: &[u32; LANES],
+    ) -> Option<([f64; LANES], [bool; LANES])> {
+        let shader = self.shader();
+        let covered = match shader.has_overlay() {
+            true => self.may_be_covered(primitives),
+            false => [false; LANES],
+        };
+        if covered == [false; LANES] && !any_misses(primitives) {
+            return None;
+        }
+        let xs = rays.eight_places(column, row);
+        let mut overlaid = shader.may_overlay(&xs, rays.row(row));
+        for (lane, overlaid) in overlaid.iter_mut().enumerate() {
+            *overlaid &= primitives[lane] == MISS || covered[lane];
+        }
+        Some((xs, overlaid))
     }
 
     /// Before which of eight triangles lines of the overlay or the ground may lie.
@@ -536,22 +553,15 @@ impl TileShader<'_> {
         hits: &EightHits<'_>,
         light: &mut [[f32; 4]],
     ) {
-        let shader = self.shader();
-        let covered = match shader.has_overlay() {
-            true => self.may_be_covered(hits.primitives),
-            false => [false; LANES],
-        };
-        if covered == [false; LANES] && !any_misses(hits.primitives) {
+        let Some((xs, overlaid)) = self.overlaid(rays, (column, row), hits.primitives) else {
             return;
-        }
-        let (xs, y) = (rays.eight_places(column, row), rays.row(row));
-        let shown = shader.may_overlay(&xs, y);
+        };
+        let y = rays.row(row);
         for (lane, light) in light.iter_mut().take(LANES).enumerate() {
-            let is_miss = hits.primitives[lane] == MISS;
-            if is_miss && !shown[lane] {
-                *light = behind.unwrap_or_else(|| shader.behind(xs[lane], y));
-            } else if is_miss || shown[lane] && covered[lane] {
+            if overlaid[lane] {
                 *light = self.color(xs[lane], y, &hits.get(lane));
+            } else if hits.primitives[lane] == MISS {
+                *light = behind.unwrap_or_else(|| self.shader().behind(xs[lane], y));
             }
         }
     }
