@@ -103,17 +103,33 @@ pub(crate) fn dot<I: Integer>(a: &Vector<I>, b: &Vector<I>) -> I {
     in_plane.plus(&a[2].times(&b[2]))
 }
 
-/// Runs a function with integers long enough for its intermediate results.
+/// The most binary digits of a determinant of corners relative to an eye.
 ///
 /// With corners and eye below 2^L over their power of two, relative corners are below 2^(L+2), their cross products
-/// below 2^(2L+5), det(A, B, C) below 2^(3L+9), and with directions below 2^D weights are below 2^(2L+D+7) and their
-/// sum 2^(2L+D+9). The longest are products of a numerator and a denominator, and of a denominator and a mantissa of
-/// 53 digits; two limbs more hold each factor's last limb, and the shift to a common length.
+/// below 2^(2L+5) and det(A, B, C) below 2^(3L+9).
+pub(crate) fn determinant_digits(lengths: Scale) -> u64 {
+    3 * u64::from(lengths.bits) + 9
+}
+
+/// The most binary digits of a hit: of its parameter's numerator, a determinant, and of the denominator times a
+/// mantissa of 53 digits. With directions below 2^D weights are below 2^(2L+D+7) and the denominator, their sum, below
+/// 2^(2L+D+9).
+pub(crate) fn hit_digits(lengths: Scale, directions: Scale) -> u64 {
+    let denominator = 2 * u64::from(lengths.bits) + u64::from(directions.bits) + 9;
+    determinant_digits(lengths).max(denominator + 53)
+}
+
+/// The most binary digits of two hits, and of the products of one's numerator and the other's denominator.
+pub(crate) fn comparison_digits(lengths: Scale, directions: Scale) -> u64 {
+    let (l, d) = (u64::from(lengths.bits), u64::from(directions.bits));
+    hit_digits(lengths, directions).max(5 * l + d + 18)
+}
+
+/// Runs a function with integers long enough for numbers of so many binary digits. Two limbs more hold the last limb of
+/// each factor of a product, and the shift to a common length.
 macro_rules! sized {
-    ($lengths:expr, $directions:expr, $work:ident($($argument:expr),*)) => {{
-        let (lengths, directions): (Scale, Scale) = ($lengths, $directions);
-        let (l, d) = (u64::from(lengths.bits), u64::from(directions.bits));
-        let digits = (5 * l + d + 18).max(2 * l + d + 9 + 53) + 2 * 64;
+    ($digits:expr, $work:ident($($argument:expr),*)) => {{
+        let digits: u64 = $digits + 2 * 64;
         if digits <= 10 * 64 {
             $work::<$crate::num::exact::Short>($($argument),*)
         } else if digits <= 16 * 64 {
@@ -210,7 +226,7 @@ pub(crate) fn is_collinear(a: Vec3, b: Vec3, c: Vec3) -> bool {
         normal.iter().all(|x| x.sign() == Ordering::Equal)
     }
     let lengths = Scale::of_vectors(&points);
-    sized!(lengths, Scale::of([]), of(points, lengths))
+    sized!(determinant_digits(lengths), of(points, lengths))
 }
 
 #[cfg(test)]

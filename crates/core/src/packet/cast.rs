@@ -10,15 +10,16 @@ use super::params::{LARGE_SIDE, SIDE};
 use super::ray_rect::RayRect;
 use super::traversal::Traversal;
 use crate::bvh::Accel;
-use crate::camera::{Camera, Lattice};
+use crate::camera::{Camera, Lattice, Projection};
 use crate::hit::{Cull, Detail, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{Lanes, Work, dispatch};
 use crate::ray::Ray;
 use crate::single::{self, Clipped};
-use crate::triangle::BoundedHit;
 use crate::triangle::clip::Clip;
+use crate::triangle::{BoundedHit, EyeTriangles};
 use around::FindAround;
+use std::rc::Rc;
 
 impl Accel {
     /// Casts every ray of a lattice into `hits`, row by row.
@@ -74,6 +75,7 @@ impl Accel {
         if self.tree.root.is_none() {
             return counts;
         }
+        let has_eye = lattice.camera.projection() != Projection::Orthographic;
         let mut find = Find {
             accel: self,
             clip,
@@ -82,6 +84,7 @@ impl Accel {
             precision,
             primitives,
             counts: &mut counts,
+            from_eye: has_eye.then(Rc::default),
         };
         if lattice.camera.projection().panorama().is_none() {
             find.find_on(RayRect::all(lattice), None);
@@ -115,7 +118,8 @@ impl Clipped<'_> {
         hits.extend(found.iter());
     }
 
-    /// As [`Accel::find_closest`], for the closest hits whose points are kept; [`Accel::interpolate`] interpolates t, u and v.
+    /// As [`Accel::find_closest`], for the closest hits whose points are kept; [`Accel::interpolate`] interpolates t, u
+    /// and v.
     pub fn find_closest(
         &self,
         lattice: &Lattice,
@@ -140,6 +144,8 @@ pub(super) struct Find<'a> {
     pub(super) precision: Precision,
     pub(super) primitives: &'a mut [u32],
     pub(super) counts: &'a mut CastCounts,
+    /// What single rays share of triangles, where all start at one eye.
+    pub(super) from_eye: Option<Rc<EyeTriangles>>,
 }
 
 impl Find<'_> {
@@ -267,6 +273,10 @@ impl Find<'_> {
     fn cast_one(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
         let Some(ray) = (self.accel).prepare(ray, self.cull, self.precision) else {
             return MISS;
+        };
+        let ray = match &self.from_eye {
+            Some(from_eye) => ray.sharing(from_eye, Detail::Triangle),
+            None => ray,
         };
         let nearest = match rivals {
             Some(rivals) if self.precision == Precision::Exact => {

@@ -100,8 +100,8 @@ impl<'a> Decisions<'a> {
             .extend(planes.map(|plane| space.along_rays(plane)));
     }
 
-    /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys where
-    /// those decide it, else by [`RayStarts::in_front`].
+    /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys
+    /// where those decide it, else by [`RayStarts::in_front`].
     #[inline(never)]
     pub(super) fn start_in_front(
         &mut self,
@@ -119,8 +119,8 @@ impl<'a> Decisions<'a> {
         decided | (self.ray_starts).in_front(self.accel, &mut self.coplanar, primitive, rest)
     }
 
-    /// The order of two triangles along the packet's rays. All rays that hit two triangles of one plane hit the one with the
-    /// lower primitive id first.
+    /// The order of two triangles along the packet's rays. All rays that hit two triangles of one plane hit the one
+    /// with the lower primitive id first.
     #[inline(never)]
     pub(super) fn order(&mut self, pair: [u32; 2]) -> &PlaneOrder {
         if self.precision == Precision::Fast {
@@ -139,11 +139,10 @@ impl<'a> Decisions<'a> {
                 accel.corners_in(first, of_first),
                 accel.corners_in(second, of_second),
             ];
-            self.plane_orders.find(pair, corners, || {
-                let corners = |primitive: u32| accel.corners(primitive);
-                let are_coplanar = coplanar.are(first, second, corners);
-                are_coplanar.then_some(is_first)
-            });
+            self.plane_orders.find(pair, corners, is_first);
+            if self.plane_orders.order(pair).in_one_plane {
+                coplanar.join(first, second);
+            }
         }
         self.plane_orders.order(pair)
     }

@@ -1,47 +1,49 @@
 //! Which of two triangles the rays of a packet hit first, by the [`Plane`] of one and the corners of the other.
 //!
-//! A ray hits the second triangle at the mean Σ Eₖbₖ / ΣEₖ of its corners, with Eₖ its edge functions at the ray's place
-//! (i, j), none of which is negative there. With sₖ the signed distances of the corners from the plane of the first, its
-//! normal turned to the side that rays go to,
+//! A ray hits the second triangle at the mean Σ Eₖbₖ / ΣEₖ of its corners, with Eₖ its edge functions at the ray's
+//! place (i, j), none of which is negative there. With sₖ the signed distances of the corners from the plane of the
+//! first, its normal turned to the side that rays go to,
 //!
 //! F(i, j) = Σ sₖEₖ(i, j)
 //!
 //! is positive where the first triangle is hit before the second, and negative where it is hit after. F is linear in i
 //! and j. So triangles that lie closer together than single precision distinguishes are ordered eight rays at once, or
 //! a cell at once, where depth intervals would leave each ray to be decided on its own. Where all sₖ have one sign this
-//! is the plane test of Newell, Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972. Where all sₖ may be zero, exact
-//! arithmetic says whether they are: then both triangles lie in one plane, and the lower primitive id is hit first.
+//! is the plane test of Newell, Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972. Where all sₖ may be
+//! zero they are computed exactly: if they are zero, both triangles lie in one plane, and the lower primitive id is hit
+//! first.
 //!
 //! # Error bound
 //! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
 //! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
 //! extent of cells, are in single precision: F moves by its slope times [`SINGLE_PLACE_ERROR`].
 //!
-//! Next to the eye, planes may be closer together than the errors of sₖ in double precision, although far apart compared
-//! with their distance from the eye; then the sₖ are computed in double-double arithmetic. And where coordinates differ by
-//! many magnitudes, δ, proportional to the greatest, exceeds the Eₖ; then each has a componentwise bound of its own
-//! ([`PacketSpace::edges_componentwise`]).
+//! Next to the eye, planes may be closer together than the errors of sₖ in double precision, although far apart
+//! compared with their distance from the eye; then the sₖ are computed in double-double arithmetic, and exactly where
+//! that does not tell them from zero. And where coordinates differ by many magnitudes, δ, proportional to the greatest,
+//! exceeds the Eₖ; then each has a componentwise bound of its own ([`PacketSpace::edges_componentwise`]).
 
 use super::params::{CELLS, ROW};
 use super::setup::{Linear, PacketSpace, REACH};
 use crate::hit::MISS;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
+use crate::triangle::exact::distances_from_plane;
 use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::Vec3;
 use std::cmp::Ordering;
 
-/// The error of places in single precision, 4u of the furthest: a place, a cell's centre and half of its extent are each
-/// rounded by u of at most [`REACH`], and one u is for higher orders.
+/// The error of places in single precision, 4u of the furthest: a place, a cell's centre and half of its extent are
+/// each rounded by u of at most [`REACH`], and one u is for higher orders.
 const SINGLE_PLACE_ERROR: f64 = 4.0 * REACH / (1u64 << 24) as f64;
 
 /// The error of an order, as a share of the greatest |F| in the packet, up to which it is not computed again more
-/// closely. F is linear, so that about this share of a packet's 2¹⁰ rays stays undecided: less than one ray. With a larger
-/// share rays are cast one by one; with a smaller one pairs are computed again for rays that do not exist.
+/// closely. F is linear, so that about this share of a packet's 2¹⁰ rays stays undecided: less than one ray. With a
+/// larger share rays are cast one by one; with a smaller one pairs are computed again for rays that do not exist.
 const ACCURATE: f64 = 1.0 / (1u64 << 16) as f64;
 
-/// Pairs of triangles, and planes, in the caches: 4 and 8 kB. A cell seldom shows more triangles at once. With a quarter, the
-/// planes that a few cells show evict one another; with four times as many nothing is gained.
+/// Pairs of triangles, and planes, in the caches: 4 and 8 kB. A cell seldom shows more triangles at once. With a
+/// quarter, the planes that a few cells show evict one another; with four times as many nothing is gained.
 const CACHED: usize = 64;
 
 /// Eight rays, as bits.
@@ -122,19 +124,15 @@ impl PlaneOrder {
         if is_first { FIRST } else { SECOND }
     }
 
-    /// Sets the order of two triangles: by the plane of the first, and the edge functions of the second in double precision,
-    /// or with componentwise bounds. `order_if_coplanar` says whether the two lie in one plane, and whether the first is
-    /// then hit first.
+    /// Sets the order of two triangles: by the plane of the first, and the edge functions of the second in double
+    /// precision, or with componentwise bounds. `is_first` says whether the first is hit first if the two lie in one
+    /// plane.
     #[inline(always)]
-    fn set(
-        &mut self,
-        plane: &TurnedPlane,
-        edges: &mut PairEdges<'_>,
-        order_if_coplanar: impl FnOnce() -> Option<bool>,
-    ) {
+    fn set(&mut self, plane: &TurnedPlane, edges: &mut PairEdges<'_>, is_first: bool) {
         *self = Self::UNKNOWN;
         let Some(plane) = plane else {
-            if let Some(is_first) = order_if_coplanar() {
+            let [first, second] = edges.corners;
+            if distances_from_plane(*second, *first) == [0.0; 3] {
                 *self = *Self::in_one_plane(is_first);
             }
             return;
@@ -143,25 +141,39 @@ impl PlaneOrder {
         let distances = [plane.distance(p), plane.distance(q), plane.distance(r)];
         let distances = unless_shared(edges.corners, distances);
         let order = Self::by_distances(distances, || edges.in_double());
-        if order.is_accurate() {
-            *self = order;
-            return;
-        }
-        let may_lie_in_plane =
-            (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST_SURE);
-        if may_lie_in_plane && let Some(is_first) = order_if_coplanar() {
-            *self = *Self::in_one_plane(is_first);
-            return;
-        }
-        *self = Self::closer(plane, edges);
+        *self = match order.is_accurate() {
+            true => order,
+            false => Self::closer(plane, edges, distances, is_first),
+        };
     }
 
-    /// The same where double precision does not decide it.
+    /// The same where distances in double precision do not decide it.
     #[inline(never)]
-    fn closer(plane: &Plane, edges: &mut PairEdges<'_>) -> Self {
+    fn closer(
+        plane: &Plane,
+        edges: &mut PairEdges<'_>,
+        distances: [(f64, f64); 3],
+        is_first: bool,
+    ) -> Self {
         let [first, second] = edges.corners;
-        let distance = |corner| plane.distance_in_double_double(*first, corner);
-        let distances = unless_shared(edges.corners, second.map(distance));
+        let may_lie_in_plane =
+            (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST_SURE);
+        let mut distances = distances;
+        if !may_lie_in_plane {
+            let distance = |corner| plane.distance_in_double_double(*first, corner);
+            distances = unless_shared(edges.corners, second.map(distance));
+            let closer = Self::by_distances(distances, || edges.in_double());
+            if closer.is_accurate() {
+                return closer;
+            }
+        }
+        if may_lie_in_plane || !are_accurate(distances) {
+            let exact = distances_from_plane(*second, *first);
+            if exact == [0.0; 3] {
+                return *Self::in_one_plane(is_first);
+            }
+            distances = plane.with_bounds(exact);
+        }
         let closer = Self::by_distances(distances, || edges.in_double());
         if closer.is_accurate() {
             return closer;
@@ -222,8 +234,8 @@ impl PlaneOrder {
         }
     }
 
-    /// Of eight rays that hit both triangles, as bits, those for which the first is surely nearer, and those for which the
-    /// second is.
+    /// Of eight rays that hit both triangles, as bits, those for which the first is surely nearer, and those for which
+    /// the second is.
     pub(super) fn of_eight(&self, (x, y): (&[f32; LANES], &[f32; LANES])) -> [u32; 2] {
         let Linear {
             constant,
@@ -293,8 +305,8 @@ impl PlacesWithin {
     }
 }
 
-/// Distances of the second triangle's corners from the plane of the first, each with its error: exactly zero for a corner
-/// that both have, of which the bound would leave nothing sure where the hits are next to it.
+/// Distances of the second triangle's corners from the plane of the first, each with its error: exactly zero for a
+/// corner that both have, of which the bound would leave nothing sure where the hits are next to it.
 #[inline(always)]
 fn unless_shared([first, second]: [&[Vec3; 3]; 2], [p, q, r]: [(f64, f64); 3]) -> [(f64, f64); 3] {
     let [a, b, c] = second;
@@ -303,6 +315,12 @@ fn unless_shared([first, second]: [&[Vec3; 3]; 2], [p, q, r]: [(f64, f64); 3]) -
         false => distance,
     };
     [of(a, p), of(b, q), of(c, r)]
+}
+
+/// Whether distances are known within [`ACCURATE`] of the greatest of them.
+fn are_accurate(distances: [(f64, f64); 3]) -> bool {
+    let greatest = |of: fn((f64, f64)) -> f64| distances.into_iter().map(of).fold(0.0, f64::max);
+    greatest(|(_, error)| error) <= ACCURATE * greatest(|(distance, _)| distance.abs())
 }
 
 /// Two triangles, and the edge functions of the second.
@@ -395,15 +413,9 @@ impl PlaneOrders {
         }
     }
 
-    /// Finds the order of two triangles. `order_if_coplanar` says whether the two lie in one plane, and whether the first is
-    /// then hit first.
+    /// Finds the order of two triangles. `is_first` says whether the first is hit first if the two lie in one plane.
     #[inline(always)]
-    pub(super) fn find(
-        &mut self,
-        pair: [u32; 2],
-        corners: [&[Vec3; 3]; 2],
-        order_if_coplanar: impl FnOnce() -> Option<bool>,
-    ) {
+    pub(super) fn find(&mut self, pair: [u32; 2], corners: [&[Vec3; 3]; 2], is_first: bool) {
         let Self {
             space: Some(space),
             packet,
@@ -441,7 +453,7 @@ impl PlaneOrders {
         let order = &mut orders[entry(pair)];
         order.of = pair;
         order.packet = *packet;
-        order.known.set(plane, &mut edges, order_if_coplanar);
+        order.known.set(plane, &mut edges, is_first);
     }
 }
 

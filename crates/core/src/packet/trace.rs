@@ -56,8 +56,8 @@ pub struct PacketTrace {
 }
 
 impl Accel {
-    /// Casts a lattice as [`Accel::find_closest`] does and records each step, large packet by large packet, row by row. Each
-    /// triangle seen was set up, or hit by an undecided ray that was cast alone; each triangle set up was reached;
+    /// Casts a lattice as [`Accel::find_closest`] does and records each step, large packet by large packet, row by row.
+    /// Each triangle seen was set up, or hit by an undecided ray that was cast alone; each triangle set up was reached;
     /// each one reached lies below an entry point; and no ray hits a triangle that lies below none.
     ///
     /// The record is the same for every instruction set. Slower than [`Accel::find_closest`].
@@ -117,6 +117,7 @@ impl Work for RecordTrace<'_> {
             precision: Precision::Exact,
             primitives: &mut primitives,
             counts: &mut CastCounts::default(),
+            from_eye: None,
         };
         let mut traversal = Traversal::<true>::new(accel, &clip, lattice, Precision::Exact);
         let mut zbuffer = IntervalZBuffer::new();

@@ -30,7 +30,9 @@
 
 use super::BoundedHit;
 use crate::num::double_double::DoubleDouble;
-use crate::num::exact::{Scale, Vector, compare_scaled, cross, decompose, dot, sized, subtract};
+use crate::num::exact::{
+    Scale, Vector, compare_scaled, comparison_digits, cross, decompose, dot, sized, subtract,
+};
 use crate::num::integer::Integer;
 use crate::num::roundoff::{EPSILON, U32};
 use crate::ray::Ray;
@@ -158,8 +160,8 @@ impl Clip {
         })
     }
 
-    /// The functions of the planes that cut a triangle. Where the plane is next to all corners, so that the bounds in double
-    /// precision are more than rounding to single precision, in double-double arithmetic.
+    /// The functions of the planes that cut a triangle. Where the plane is next to all corners, so that the bounds in
+    /// double precision are more than rounding to single precision, in double-double arithmetic.
     pub(crate) fn through(&self, corners: [Vec3; 3]) -> impl Iterator<Item = AtCorners> {
         self.planes
             .iter()
@@ -271,9 +273,9 @@ impl Clip {
             ..
         } = query;
         // The sign's longest number is a weight times n·p, below 2^(2L + D + 9) and 2^(N + L + 4): shorter than what
-        // is provided for if N is no longer than 2L.
+        // a comparison of hits needs if N is no longer than 2L.
         if normals.bits <= 2 * lengths.bits {
-            sized!(lengths, directions, sign_at_hit(&query))
+            sized!(comparison_digits(lengths, directions), sign_at_hit(&query))
         } else {
             sign_at_hit::<BigInt>(&query)
         }
@@ -438,8 +440,7 @@ impl PreparedPlane {
             let lengths = Scale::of_vectors([&p, &q]);
             let normals = Scale::of_vectors([&self.normal]);
             sized!(
-                lengths,
-                normals,
+                comparison_digits(lengths, normals),
                 integer_sign_at_sum(self, [p, q], (lengths, normals))
             )
         })
@@ -713,8 +714,8 @@ mod tests {
         assert!(sure > 5_000 && exact > 5_000, "{sure} {exact}");
     }
 
-    /// Planes through all corners of a triangle except for rounding, as through three picks. The truth is integer arithmetic;
-    /// with values in double precision this fails.
+    /// Planes through all corners of a triangle except for rounding, as through three picks. The truth is integer
+    /// arithmetic; with values in double precision this fails.
     #[test]
     fn planes_next_to_all_corners_have_close_values() {
         let mut random = Random(75);
@@ -745,8 +746,8 @@ mod tests {
         assert!(cut > 2000, "{cut}");
     }
 
-    /// A triangle, a ray from next to its first corner and a plane through the hit, except for 10⁻³²: the corner's products
-    /// with the normal cancel to some 10⁻²⁴, and the hit is as far away.
+    /// A triangle, a ray from next to its first corner and a plane through the hit, except for 10⁻³²: the corner's
+    /// products with the normal cancel to some 10⁻²⁴, and the hit is as far away.
     fn hit_next_to_a_corner(random: &mut Random) -> (OffsetTriangle, Ray, ClippingPlane) {
         let normal = random.point();
         // Products of unlike magnitudes: those of like ones have sums that double-double numbers hold.
@@ -775,8 +776,8 @@ mod tests {
         (triangle, Ray::new(eye, direction), plane)
     }
 
-    /// Hits and planes next to the eye, at a small part of its coordinates. The truth is integer arithmetic; without the
-    /// bound on what double-double arithmetic rounds this fails.
+    /// Hits and planes next to the eye, at a small part of its coordinates. The truth is integer arithmetic; without
+    /// the bound on what double-double arithmetic rounds this fails.
     #[test]
     fn what_double_double_decides_about_hits_is_what_integers_decide() {
         let mut random = Random(74);

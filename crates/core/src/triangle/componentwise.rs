@@ -16,7 +16,7 @@
 //!
 //! No term leaves double precision's range while its factors are zero or within 2^±300.
 
-use super::exact::OffsetTriangle;
+use super::exact::{OffsetTriangle, crosses_from};
 use crate::num::double_double::DoubleDouble;
 use crate::num::roundoff::EPSILON;
 use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
@@ -118,16 +118,16 @@ impl Determinants {
 }
 
 impl Determinants {
-    /// The determinants in double-double arithmetic; corners are relative to `tree_origin`, a point in world space. `None`
-    /// where a factor is out of [`FACTOR_RANGE`].
+    /// The determinants in double-double arithmetic; corners are relative to `tree_origin`, a point in world space.
+    /// `None` where a factor is out of [`FACTOR_RANGE`].
     ///
     /// B×C is B×u and C×u too, with u = C − B, and A·(B×C) is A·((B−A)×(C−A)): the form whose permanent is least is
     /// computed, so that triangles that are tiny compared with their distance are decided as well.
     ///
-    /// A corner relative to the origin is off by 3.1ε² of itself, since the tree's origin relative to the ray's is exact, as
-    /// differences of corners are; a product of two by 12ε² with its rounding, their difference by 3.1ε² more, the
-    /// product with the third factor by 5ε², or 8.1ε² where that is a coordinate too, and two sums by 6.2ε²: below 32ε²
-    /// of the permanent. The result is rounded to double precision.
+    /// A corner relative to the origin is off by 3.1ε² of itself, since the tree's origin relative to the ray's is
+    /// exact, as differences of corners are; a product of two by 12ε² with its rounding, their difference by 3.1ε²
+    /// more, the product with the third factor by 5ε², or 8.1ε² where that is a coordinate too, and two sums by 6.2ε²:
+    /// below 32ε² of the permanent. The result is rounded to double precision.
     pub(super) fn in_double_double(
         origin: DVec3,
         direction: DVec3,
@@ -202,13 +202,13 @@ impl EyeFactors {
     }
 }
 
-/// A cross product of two corners relative to an eye, computed in double-double arithmetic and rounded: the product with a
-/// ray's direction is one of its weights.
+/// A cross product of two corners relative to an eye, computed in double-double arithmetic and rounded: the product
+/// with a ray's direction is one of its weights.
 ///
 /// With p the sum of a component's products' magnitudes, the component is off by 16ε²p (see
-/// [`Determinants::in_double_double`]: twice 3.1ε² for the factors, 5ε² for their product, and 3.1ε² for the difference of two)
-/// and by ε of itself from rounding. The three products with a direction and their two sums are off by 3ε of the terms'
-/// magnitudes.
+/// [`Determinants::in_double_double`]: twice 3.1ε² for the factors, 5ε² for their product, and 3.1ε² for the difference
+/// of two) and by ε of itself from rounding. The three products with a direction and their two sums are off by 3ε of
+/// the terms' magnitudes.
 #[derive(Clone, Copy, Debug)]
 struct EyeCross {
     value: DVec3,
@@ -225,6 +225,14 @@ impl EyeCross {
         }
     }
 
+    /// Of a cross product that is rounded to within a unit in the last place, 2ε.
+    fn rounded(value: DVec3) -> Self {
+        Self {
+            value,
+            error: value.abs() * (6.0 * EPSILON),
+        }
+    }
+
     fn weight(&self, direction: DVec3) -> Determinant {
         Determinant {
             value: direction.dot(self.value),
@@ -233,8 +241,9 @@ impl EyeCross {
     }
 }
 
-/// The cross product of two factors, rounded to double precision, and of each component the bound on its error before that
-/// rounding (see [`EyeCross`]). `way` leads from one to the other: of equal products the one with the least terms is computed.
+/// The cross product of two factors, rounded to double precision, and of each component the bound on its error before
+/// that rounding (see [`EyeCross`]). `way` leads from one to the other: of equal products the one with the least terms
+/// is computed.
 fn rounded_cross(a: &WideFactor, c: &WideFactor, way: &WideFactor) -> (DVec3, DVec3) {
     let pairs = [(a, c), (a, way), (c, way)];
     let terms = pairs.map(|(b, c)| {
@@ -254,8 +263,8 @@ fn rounded_cross(a: &WideFactor, c: &WideFactor, way: &WideFactor) -> (DVec3, DV
     (DVec3::from_array(value), off)
 }
 
-/// The cross product of two corners relative to an eye, each component within 2.01ε of itself. `None` where double-double
-/// arithmetic does not suffice.
+/// The cross product of two corners relative to an eye, each component within 2.01ε of itself. `None` where
+/// double-double arithmetic does not suffice.
 pub(super) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> Option<DVec3> {
     let relative = |corner: Vec3| {
         let difference = |axis| DoubleDouble::difference(corner[axis].into(), eye[axis]);
@@ -293,6 +302,21 @@ impl EyeDeterminants {
             EyeCross::new(&a, &b, &ab),
         ];
         Some(Self { crosses, numerator })
+    }
+
+    /// The same from exact cross products, rounded.
+    pub(super) fn exact(eye: DVec3, triangle: &OffsetTriangle, numerator: Determinant) -> Self {
+        let crosses = crosses_from(eye, triangle).map(EyeCross::rounded);
+        Self { crosses, numerator }
+    }
+
+    /// Whether every component of the cross products is known within two roundings.
+    pub(super) fn are_accurate(&self) -> bool {
+        let mut crosses = self.crosses.iter();
+        crosses.all(|cross| {
+            let most = cross.value.abs() * (6.0 * EPSILON);
+            cross.error.cmple(most).all()
+        })
     }
 
     /// The determinants of a ray with this direction. `None` where that is out of [`FACTOR_RANGE`].
@@ -342,7 +366,8 @@ fn dot(a: WideVector, b: WideVector) -> DoubleDouble {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// (p−a)·((b−a)×(c−a)) in double-double arithmetic: the distance of p from a triangle's plane times the normal's length.
+/// (p−a)·((b−a)×(c−a)) in double-double arithmetic: the distance of p from a triangle's plane times the normal's
+/// length.
 ///
 /// Differences of corners are exact, so that the bound of [`Determinants::in_double_double`] holds.
 pub(super) fn plane_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> Determinant {
@@ -433,8 +458,9 @@ mod tests {
     use crate::random::Random;
     use num_bigint::BigInt;
 
-    /// Whole numbers, whose determinants integers of any length hold. Eyes are next to the lines of edges but for rounding, and
-    /// directions along their planes. With either share of the error in [`EyeCross`] at zero this fails.
+    /// Whole numbers, whose determinants integers of any length hold. Eyes are next to the lines of edges but for
+    /// rounding, and directions along their planes. With either share of the error in [`EyeCross`] at zero this fails,
+    /// and with that of rounded ones.
     #[test]
     fn weights_from_an_eye_are_within_their_bounds_of_those_in_integers() {
         let whole = |x: f64| {
@@ -443,7 +469,7 @@ mod tests {
         };
         let vector = |v: DVec3| v.to_array().map(whole);
         let mut random = Random(91);
-        let mut sure = 0;
+        let mut sure = [0; 2];
         for round in 0..6000 {
             let coordinate =
                 |random: &mut Random, unit: f32| (random.signed() * 8e6).round() as f32 * unit;
@@ -473,18 +499,21 @@ mod tests {
                 error: 0.0,
             };
             let shared = EyeDeterminants::new(eye, &triangle, numerator).expect("in range");
-            let found = shared.of(direction).expect("in range").weights;
+            let exact = EyeDeterminants::exact(eye, &triangle, numerator);
+            assert!(exact.are_accurate());
+            let found = [shared, exact].map(|shared| shared.of(direction).expect("in range"));
             let [a, b, c] = [a, b, c].map(|corner| subtract(&vector(corner), &vector(eye)));
             let direction = vector(direction);
-            for ((from, to), Determinant { value, error }) in
-                [(&b, &c), (&c, &a), (&a, &b)].into_iter().zip(found)
-            {
+            for (at, (from, to)) in [(&b, &c), (&c, &a), (&a, &b)].into_iter().enumerate() {
                 let truth = dot(&direction, &cross(from, to));
-                let off = ratio(&truth.minus(&whole(value)), &BigInt::shifted(1, 0), 0);
-                assert!(off.abs() <= error, "{off} {error}");
-                sure += u32::from(value.abs() > error);
+                for (found, sure) in found.iter().zip(&mut sure) {
+                    let Determinant { value, error } = found.weights[at];
+                    let off = ratio(&truth.minus(&whole(value)), &BigInt::shifted(1, 0), 0);
+                    assert!(off.abs() <= error, "{off} {error}");
+                    *sure += u32::from(value.abs() > error);
+                }
             }
         }
-        assert!(sure > 10_000, "{sure}");
+        assert!(sure[0] > 10_000 && sure[1] > 9900, "{sure:?}");
     }
 }

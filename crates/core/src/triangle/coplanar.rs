@@ -14,11 +14,7 @@ const CACHED: usize = 4096;
 
 /// Whether two triangles lie in exactly one plane. Neither must be degenerate.
 pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
-    let in_plane_of_axis = |axis: usize| {
-        let mut all = a.iter().chain(&b).map(|corner| corner[axis]);
-        all.all(|coordinate| coordinate == a[0][axis])
-    };
-    if in_plane_of_axis(0) || in_plane_of_axis(1) || in_plane_of_axis(2) {
+    if share_plane_of_axis(a, b) {
         return true;
     }
     let sure = b.map(|corner| is_off_plane(corner, a));
@@ -27,6 +23,15 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     }
     let mut corners = b.into_iter().zip(sure);
     corners.all(|(corner, sure)| sure == Some(false) || lies_in_plane(corner.as_dvec3(), a))
+}
+
+/// Whether two triangles lie in one plane perpendicular to an axis.
+pub(super) fn share_plane_of_axis(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+    let in_plane_of_axis = |axis: usize| {
+        let mut all = a.iter().chain(&b).map(|corner| corner[axis]);
+        all.all(|coordinate| coordinate == a[0][axis])
+    };
+    in_plane_of_axis(0) || in_plane_of_axis(1) || in_plane_of_axis(2)
 }
 
 /// Triangles that are known to share a plane with another.
@@ -46,17 +51,25 @@ impl Coplanar {
         if self.planes.is_empty() {
             self.planes.resize(CACHED, [MISS; 2]);
         }
-        let [plane_of_a, plane_of_b] = [a, b].map(|triangle| self.plane_of(triangle));
-        if plane_of_a == plane_of_b {
+        if self.plane_of(a) == self.plane_of(b) {
             return true;
         }
         let are_coplanar = are_coplanar(corners(a), corners(b));
         if are_coplanar {
-            for triangle in [a, b] {
-                self.planes[entry(triangle)] = [triangle, plane_of_a];
-            }
+            self.join(a, b);
         }
         are_coplanar
+    }
+
+    /// Records that two triangles lie in one plane.
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
+        if self.planes.is_empty() {
+            self.planes.resize(CACHED, [MISS; 2]);
+        }
+        let plane = self.plane_of(a);
+        for triangle in [a, b] {
+            self.planes[entry(triangle)] = [triangle, plane];
+        }
     }
 
     /// Whether two triangles were found to lie in one plane before.

@@ -4,7 +4,8 @@ use super::BoundedHit;
 use crate::hit::Cull;
 use crate::num::double_double::DoubleDouble;
 use crate::num::exact::{
-    Scale, Vector, compare_scaled, cross, decompose, dot, ratio, sized, subtract,
+    Scale, Vector, compare_scaled, comparison_digits, cross, decompose, determinant_digits, dot,
+    hit_digits, ratio, sized, subtract,
 };
 use crate::num::integer::Integer;
 use crate::ray::Ray;
@@ -24,8 +25,8 @@ impl OffsetTriangle {
         [a, b, c, self.origin]
     }
 
-    /// A point relative to the one that the corners are relative to. `None` where that is not a double: it mostly is, and
-    /// then with far fewer digits than its two terms have between them.
+    /// A point relative to the one that the corners are relative to. `None` where that is not a double: it mostly is,
+    /// and then with far fewer digits than its two terms have between them.
     fn local(&self, point: DVec3) -> Option<DVec3> {
         let lost = |axis| DoubleDouble::difference(point[axis], self.origin[axis]).low != 0.0;
         (!(0..3).any(lost)).then(|| point - self.origin)
@@ -65,8 +66,7 @@ pub(crate) fn hit(
     }
     let (lengths, directions) = scales(ray, &[triangle]);
     sized!(
-        lengths,
-        directions,
+        hit_digits(lengths, directions),
         of(ray, triangle, cull, primitive, (lengths, directions))
     )
 }
@@ -90,8 +90,7 @@ pub(crate) fn compare(
     }
     let (lengths, directions) = scales(ray, &[a, b]);
     sized!(
-        lengths,
-        directions,
+        comparison_digits(lengths, directions),
         of(ray, [a, b], cull, (lengths, directions))
     )
 }
@@ -115,7 +114,7 @@ pub(crate) fn plane_contains(eye: DVec3, triangle: &OffsetTriangle) -> bool {
         return lies_in_plane(point, triangle.corners);
     }
     let lengths = triangle.scale_with(eye);
-    sized!(lengths, Scale::of([]), of(eye, triangle, lengths))
+    sized!(determinant_digits(lengths), of(eye, triangle, lengths))
 }
 
 /// Whether the plane of a triangle is parallel to `direction`: the three weights of every such ray sum to zero, so
@@ -133,8 +132,7 @@ pub(crate) fn plane_is_parallel(direction: DVec3, corners: [Vec3; 3]) -> bool {
     let corners = corners.map(Vec3::as_dvec3);
     let (lengths, directions) = (Scale::of_vectors(&corners), Scale::of_vectors([&direction]));
     sized!(
-        lengths,
-        directions,
+        hit_digits(lengths, directions),
         of(direction, corners, (lengths, directions))
     )
 }
@@ -150,9 +148,9 @@ fn plane_determinant<I: Integer>(points: [DVec3; 4], lengths: Scale) -> I {
     dot(&subtract(&p, &a), &normal)
 }
 
-/// The distance of an eye from the plane of a triangle times the normal's length, positive where the normal points away from
-/// the eye, rounded to within a unit in the last place. Zero only where the plane holds the eye, unless it is less than any
-/// double is.
+/// The distance of an eye from the plane of a triangle times the normal's length, positive where the normal points away
+/// from the eye, rounded to within a unit in the last place. Zero only where the plane holds the eye, unless it is less
+/// than any double is.
 pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> f64 {
     fn of<I: Integer>(points: [DVec3; 4], lengths: Scale) -> f64 {
         let determinant = plane_determinant::<I>(points, lengths);
@@ -165,7 +163,7 @@ pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> f64 {
     }
     let Some(eye) = triangle.local(eye) else {
         let lengths = triangle.scale_with(eye);
-        return sized!(lengths, Scale::of([]), of_far(eye, triangle, lengths));
+        return sized!(determinant_digits(lengths), of_far(eye, triangle, lengths));
     };
     let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
     let points = [a, b, c, eye];
@@ -173,16 +171,14 @@ pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> f64 {
     if lengths.bits <= I128_BITS {
         return of::<i128>(points, lengths);
     }
-    sized!(lengths, Scale::of([]), of(points, lengths))
+    sized!(determinant_digits(lengths), of(points, lengths))
 }
 
 /// The cross product of two corners relative to an eye, each component rounded to within a unit in the last place.
 pub(super) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
     fn of<I: Integer>(points: [DVec3; 3], lengths: Scale) -> DVec3 {
         let [p, q, eye] = points.map(|point| lengths.vector::<I>(point));
-        let product = cross(&subtract(&p, &eye), &subtract(&q, &eye));
-        let one = I::shifted(1, 0);
-        DVec3::from_array(product.map(|x| ratio(&x, &one, 2 * lengths.exponent)))
+        rounded_cross(&subtract(&p, &eye), &subtract(&q, &eye), lengths)
     }
     let [p, q] = corners.map(Vec3::as_dvec3);
     let points = [p, q, eye];
@@ -190,7 +186,46 @@ pub(super) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
     if lengths.bits <= I128_BITS {
         return of::<i128>(points, lengths);
     }
-    sized!(lengths, Scale::of([]), of(points, lengths))
+    sized!(determinant_digits(lengths), of(points, lengths))
+}
+
+/// B×C, C×A and A×B of a triangle's corners relative to an eye, as [`cross_from`].
+pub(super) fn crosses_from(eye: DVec3, triangle: &OffsetTriangle) -> [DVec3; 3] {
+    fn of<I: Integer>(eye: DVec3, triangle: &OffsetTriangle, lengths: Scale) -> [DVec3; 3] {
+        let [a, b, c] = triangle.relative_to::<I>(eye, lengths);
+        let cross = |p, q| rounded_cross::<I>(p, q, lengths);
+        [cross(&b, &c), cross(&c, &a), cross(&a, &b)]
+    }
+    let lengths = triangle.scale_with(eye);
+    sized!(determinant_digits(lengths), of(eye, triangle, lengths))
+}
+
+fn rounded_cross<I: Integer>(p: &Vector<I>, q: &Vector<I>, lengths: Scale) -> DVec3 {
+    let [x, y, z] = cross(p, q);
+    let one = I::shifted(1, 0);
+    let rounded = |component| ratio(component, &one, 2 * lengths.exponent);
+    DVec3::new(rounded(&x), rounded(&y), rounded(&z))
+}
+
+/// The distances of points from the plane of a triangle times the normal's length, positive where the normal points to;
+/// each rounded to within a unit in the last place, and zero only where the plane contains the point: a distance of
+/// single-precision coordinates is at least 2⁻⁴⁴⁷.
+pub(crate) fn distances_from_plane(points: [Vec3; 3], corners: [Vec3; 3]) -> [f64; 3] {
+    fn of<I: Integer>([a, b, c, p, q, r]: [DVec3; 6], lengths: Scale) -> [f64; 3] {
+        let a = lengths.vector::<I>(a);
+        let from_a = |point: DVec3| subtract(&lengths.vector(point), &a);
+        let normal = cross(&from_a(b), &from_a(c));
+        let one = I::shifted(1, 0);
+        let distance = |point| ratio(&dot(&from_a(point), &normal), &one, 3 * lengths.exponent);
+        [distance(p), distance(q), distance(r)]
+    }
+    let [[a, b, c], [p, q, r]] = [corners, points].map(|points| points.map(Vec3::as_dvec3));
+    let points = [a, b, c, p, q, r];
+    let lengths = Scale::of_vectors(&points);
+    if lengths.bits <= I128_BITS {
+        return of::<i128>(points, lengths);
+    }
+    sized!(determinant_digits(lengths), of(points, lengths))
 }
 
 /// Whether a point lies in the plane of a triangle.
@@ -204,7 +239,7 @@ pub(super) fn lies_in_plane(point: DVec3, corners: [Vec3; 3]) -> bool {
     if lengths.bits <= I128_BITS {
         return of::<i128>(points, lengths);
     }
-    sized!(lengths, Scale::of([]), of(points, lengths))
+    sized!(determinant_digits(lengths), of(points, lengths))
 }
 
 /// An exact hit: its parameter is `numerator / denominator · 2^exponent`.

@@ -20,5 +20,5 @@ mod watertight;
 pub(crate) use bounded_hit::BoundedHit;
 pub(crate) use componentwise::Determinant;
 pub(crate) use corner_lanes::{CornerLanes, vectors_in_lane};
-pub(crate) use eye_triangle::{EyeTriangle, cross_from};
+pub(crate) use eye_triangle::{EyeTriangles, cross_from};
 pub(crate) use watertight::PreparedRay;

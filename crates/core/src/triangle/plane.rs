@@ -1,9 +1,9 @@
 //! The plane of a triangle, and on which side of it the corners of another triangle lie.
 //!
-//! Of two triangles that a ray hits, the one whose plane n·(p − a) = 0 separates the other's hit from the ray's origin is
-//! nearer. The other's hit is a mean of its corners bₖ, so its signed distance from the plane is the same mean of their
-//! distances sₖ = n·(bₖ − a); and where all of these have one sign, no matter which mean (the plane tests of Newell,
-//! Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972).
+//! Of two triangles that a ray hits, the one whose plane n·(p − a) = 0 separates the other's hit from the ray's origin
+//! is nearer. The other's hit is a mean of its corners bₖ, so its signed distance from the plane is the same mean of
+//! their distances sₖ = n·(bₖ − a); and where all of these have one sign, no matter which mean (the plane tests of
+//! Newell, Newell, Sancha, "A Solution to the Hidden Surface Problem", 1972).
 //!
 //! The sₖ are accurate to their own size, however far away the ray starts: what cancels in them is the distance of the
 //! triangles from one another, while two parameters of hits must first be known to the last digit to be compared.
@@ -11,10 +11,13 @@
 //! # Error bounds
 //! ε = 2⁻⁵³.
 //!
-//! Edges are off by ε of themselves, a product of two by 3ε, a component of n by 4εp, p being the sum of its two products'
-//! magnitudes. bₖ − a is off by ε of itself, a sum of three products by 3ε: to first order sₖ is off by 8εΣp|bₖ − a|. The
-//! bound is 9εΣp|bₖ − a|: one ε more for higher orders and for the rounding of p. That of n·d is 9εΣp|d|; a vector that is off
-//! by η more adds ηΣp.
+//! Edges are off by ε of themselves, a product of two by 3ε, a component of n by 4εp, p being the sum of its two
+//! products' magnitudes. bₖ − a is off by ε of itself, a sum of three products by 3ε: to first order sₖ is off by
+//! 8εΣp|bₖ − a|. The bound is 9εΣp|bₖ − a|: one ε more for higher orders and for the rounding of p. That of n·d is
+//! 9εΣp|d|; a vector that is off by η more adds ηΣp.
+//!
+//! Where terms cancel by more than that, distances are computed exactly and rounded (`exact::distances_from_plane`):
+//! those of triangles of a tilted plane whose corners are subnormal numbers off it, say.
 
 use super::BoundedHit;
 use super::componentwise::{Determinant, eye_distance, plane_distance};
@@ -24,18 +27,18 @@ use glam::{DVec3, Vec3};
 
 /// Values below this may have lost digits to underflow, and their signs prove nothing.
 ///
-/// Differences of single-precision coordinates are zero or at least 2⁻¹⁴⁹, so products of three of them do not underflow.
-/// A product with an eye or an edge function, which are doubles, may be off by 2⁻¹⁰⁷⁵ times its other factors: with
-/// coordinates up to 10¹⁸, by less than 10⁻²⁵⁰. A value above 10⁻¹³⁵ would leave planes undecided that are subnormal
-/// numbers apart.
+/// Differences of single-precision coordinates are zero or at least 2⁻¹⁴⁹, so products of three of them do not
+/// underflow. A product with an eye or an edge function, which are doubles, may be off by 2⁻¹⁰⁷⁵ times its other
+/// factors: with coordinates up to 10¹⁸, by less than 10⁻²⁵⁰. A value above 10⁻¹³⁵ would leave planes undecided that
+/// are subnormal numbers apart.
 pub(crate) const LEAST_SURE: f64 = 1e-250;
 
 /// The error of a hit's weights: they are rounded well in single precision, within 2⁻²⁶
 /// ([`WELL_CONDITIONED`](super::edges::WELL_CONDITIONED)).
 const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// The error of an eye's distance from a plane, relative to the distance: depths that are divided by the distance are then
-/// known to more than single precision's 24 digits.
+/// The error of an eye's distance from a plane, relative to the distance: depths that are divided by the distance are
+/// then known to more than single precision's 24 digits.
 const MOST_ERROR: f64 = 1.0 / (1 << 28) as f64;
 
 /// A triangle's plane.
@@ -81,8 +84,8 @@ impl Plane {
         self.turned_along(self.corner - eye, error)
     }
 
-    /// [`Plane::turned_from`] with the corners at hand, decided exactly, for an eye that is not off: for planes that pass it
-    /// more closely than roundings in double precision.
+    /// [`Plane::turned_from`] with the corners at hand, decided exactly, for an eye that is not off: for planes that
+    /// pass it more closely than roundings in double precision.
     pub(crate) fn turned_exactly_from(mut self, eye: DVec3, corners: [Vec3; 3]) -> Option<Self> {
         let triangle = OffsetTriangle {
             corners,
@@ -114,37 +117,41 @@ impl Plane {
         (value * self.turn, error)
     }
 
+    /// Distances from [`exact::distances_from_plane`], as [`Plane::distance`] gives them.
+    pub(crate) fn with_bounds(&self, distances: [f64; 3]) -> [(f64, f64); 3] {
+        distances.map(|distance| (distance * self.turn, 2.0 * EPSILON * distance.abs()))
+    }
+
     /// The bound on the error of a product with the normal.
     #[inline(always)]
     fn error(&self, factors: DVec3) -> f64 {
         9.0 * EPSILON * self.magnitude.dot(factors)
     }
+}
 
-    /// On which side of the plane a triangle's hit lies: 1.0 where the normal points to, or −1.0. `None` where that is
-    /// not sure.
-    pub(super) fn side_of(&self, hit: &BoundedHit, corners: [Vec3; 3]) -> Option<f64> {
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let (mut value, mut error) = (0.0, 0.0);
-        let (mut is_before, mut is_behind) = (true, true);
-        for (corner, weight) in corners.into_iter().zip(weights) {
-            let (distance, distance_error) = self.distance(corner);
-            value += distance * weight;
-            // The first weight has the errors of both others.
-            error += distance.abs() * (2.0 * WEIGHT_ERROR) + distance_error * (1.0 + WEIGHT_ERROR);
-            is_before &= distance > distance_error + LEAST_SURE;
-            is_behind &= distance < -distance_error - LEAST_SURE;
-        }
-        match (is_before, is_behind) {
-            (true, _) => Some(1.0),
-            (_, true) => Some(-1.0),
-            _ => (value.abs() > error * 1.01 + LEAST_SURE).then_some(value.signum()),
-        }
+/// On which side of a plane a triangle's hit lies, by the distances of its corners, each with its error: 1.0 where the
+/// normal points to, or −1.0. `None` where that is not sure.
+pub(super) fn side_of_plane(distances: [(f64, f64); 3], hit: &BoundedHit) -> Option<f64> {
+    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let (mut value, mut error) = (0.0, 0.0);
+    let (mut is_before, mut is_behind) = (true, true);
+    for ((distance, distance_error), weight) in distances.into_iter().zip(weights) {
+        value += distance * weight;
+        // The first weight has the errors of both others.
+        error += distance.abs() * (2.0 * WEIGHT_ERROR) + distance_error * (1.0 + WEIGHT_ERROR);
+        is_before &= distance > distance_error + LEAST_SURE;
+        is_behind &= distance < -distance_error - LEAST_SURE;
+    }
+    match (is_before, is_behind) {
+        (true, _) => Some(1.0),
+        (_, true) => Some(-1.0),
+        _ => (value.abs() > error * 1.01 + LEAST_SURE).then_some(value.signum()),
     }
 }
 
-/// The distance of an eye from a triangle's plane times the normal's length, positive where the normal points away from the
-/// eye, with an error of [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else exactly; zero
-/// only where the plane contains the eye, unless it is less than any double is.
+/// The distance of an eye from a triangle's plane times the normal's length, positive where the normal points away from
+/// the eye, with an error of [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else
+/// exactly; zero only where the plane contains the eye, unless it is less than any double is.
 pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> Determinant {
     let wide = eye_distance(eye, triangle.origin, triangle.corners);
     // NaN fails this comparison, and so does zero unless it is surely so.
@@ -202,8 +209,31 @@ mod tests {
         assert!(decided > 19_000, "{decided}");
     }
 
-    /// Origins in a plane but for roundings, moved by as much as their error allows. With either term of the bound at zero
-    /// this fails.
+    /// As above, for distances that are rounded from exact ones. With their bound at zero this fails.
+    #[test]
+    fn exact_distances_are_within_their_bounds_of_those_in_integers() {
+        let mut random = Random(75);
+        let mut in_plane = 0;
+        for round in 0..5000 {
+            let most = f64::from(1 << [2, 20][round % 2]);
+            let corners = [(); 3].map(|()| whole(&mut random, most));
+            let points = [(); 3].map(|()| whole(&mut random, most));
+            let [a, b, c] = corners;
+            let normal_side = Plane::new(corners.map(point));
+            let distances = exact::distances_from_plane(points.map(point), corners.map(point));
+            for (at, (value, error)) in points.into_iter().zip(normal_side.with_bounds(distances)) {
+                let truth = determinant(minus(at, a), minus(b, a), minus(c, a));
+                let off = (value as i128 - truth).unsigned_abs();
+                assert!(off as f64 <= error, "{corners:?} {at:?}");
+                assert_eq!(value == 0.0, truth == 0);
+                in_plane += u32::from(truth == 0);
+            }
+        }
+        assert!(in_plane > 200, "{in_plane}");
+    }
+
+    /// Origins in a plane but for roundings, moved by as much as their error allows. With either term of the bound at
+    /// zero this fails.
     #[test]
     fn origins_that_are_off_are_within_the_bounds_of_distances() {
         let mut random = Random(73);
@@ -227,8 +257,8 @@ mod tests {
         }
     }
 
-    /// Eyes in a plane but for roundings, and corners of very different sizes. With the bound of double-double arithmetic at
-    /// zero this fails.
+    /// Eyes in a plane but for roundings, and corners of very different sizes. With the bound of double-double
+    /// arithmetic at zero this fails.
     #[test]
     fn distances_of_eyes_are_within_their_bounds_of_those_in_integers() {
         let mut random = Random(74);
@@ -316,6 +346,9 @@ mod tests {
             Vec3::new(1.0, 0.0, 1.0),
             Vec3::new(0.0, 1.0, 1.0),
         ];
+        let side_of = |hit: &BoundedHit, corners: [Vec3; 3]| {
+            side_of_plane(corners.map(|corner| plane.distance(corner)), hit)
+        };
         let at = |u: f64, v: f64| BoundedHit {
             primitive: 0,
             t: 1.0,
@@ -325,16 +358,13 @@ mod tests {
         };
         let off = 1.0 / f64::from(1 << 26);
         for (u, v) in [(off, off), (-off, -off), (off, 0.0), (0.0, 0.0)] {
-            assert_eq!(plane.side_of(&at(0.25 + u, 0.25 + v), corners), None);
+            assert_eq!(side_of(&at(0.25 + u, 0.25 + v), corners), None);
         }
-        assert_eq!(plane.side_of(&at(0.26, 0.25), corners), Some(1.0));
-        assert_eq!(plane.side_of(&at(0.24, 0.25), corners), Some(-1.0));
+        assert_eq!(side_of(&at(0.26, 0.25), corners), Some(1.0));
+        assert_eq!(side_of(&at(0.24, 0.25), corners), Some(-1.0));
         // All corners lie on one side: no weight matters.
         let above = corners.map(|corner| corner + Vec3::Z * 1.5);
-        assert_eq!(plane.side_of(&at(f64::NAN, 0.0), above), Some(1.0));
-        assert_eq!(
-            plane.side_of(&at(f64::NAN, 0.0), above.map(|c| -c)),
-            Some(-1.0)
-        );
+        assert_eq!(side_of(&at(f64::NAN, 0.0), above), Some(1.0));
+        assert_eq!(side_of(&at(f64::NAN, 0.0), above.map(|c| -c)), Some(-1.0));
     }
 }

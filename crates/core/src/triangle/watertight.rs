@@ -14,14 +14,15 @@ use super::close_start::CloseStart;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, OffsetTriangle};
-use super::eye_triangle::EyeTriangle;
-use crate::hit::{Cull, Precision};
+use super::eye_triangle::{EyeTriangle, EyeTriangles};
+use crate::hit::{Cull, Detail, Precision};
 use crate::num::double_double::DoubleDouble;
 use crate::num::roundoff::EPSILON;
 use crate::ray::{Ray, relative_origin};
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::cmp::Ordering;
+use std::rc::Rc;
 
 /// A ray prepared for tests against many triangles.
 #[derive(Clone, Debug)]
@@ -51,6 +52,10 @@ pub(crate) struct PreparedRay {
     precision: Precision,
     /// Whether any triangle so far was decided exactly.
     was_exact: Cell<bool>,
+    /// What other rays from the same eye know of triangles; `None` for a ray of its own.
+    from_eye: Option<Rc<EyeTriangles>>,
+    /// Which numbers of its hits are needed.
+    detail: Detail,
 }
 
 /// The outcome of a test with error bounds.
@@ -93,11 +98,25 @@ impl PreparedRay {
             cull,
             precision,
             was_exact: Cell::new(false),
+            from_eye: None,
+            detail: Detail::Full,
         })
     }
 
-    /// The same ray for triangles that are all in a box, from its `min` to its `max`: where the ray comes from far away, it
-    /// is measured from a point close to them.
+    /// The same ray, one of many from its origin, with what they share of triangles. With [`Detail::Full`] its hits' t, u
+    /// and v are those of the ray alone, bit for bit; with [`Detail::Triangle`] more triangles are decided without integers,
+    /// by numbers that round otherwise.
+    #[must_use]
+    pub(crate) fn sharing(self, from_eye: &Rc<EyeTriangles>, detail: Detail) -> Self {
+        Self {
+            from_eye: Some(Rc::clone(from_eye)),
+            detail,
+            ..self
+        }
+    }
+
+    /// The same ray for triangles that are all in a box, from its `min` to its `max`: where the ray comes from far
+    /// away, it is measured from a point close to them.
     #[must_use]
     pub(crate) fn close_to(self, bounds: [DVec3; 2]) -> Self {
         let origin = (self.origin, self.origin_error);
@@ -129,13 +148,10 @@ impl PreparedRay {
         let candidate = match self.intersect_in_double(primitive, corners(primitive)) {
             Verdict::Miss => return,
             Verdict::Hit(hit) => hit,
-            Verdict::Undecided => {
-                let at = corners(primitive);
-                match self.intersect_undecided(primitive, at, &EyeTriangle::default()) {
-                    Some(hit) => hit,
-                    None => return,
-                }
-            }
+            Verdict::Undecided => match self.intersect_undecided(primitive, corners(primitive)) {
+                Some(hit) => hit,
+                None => return,
+            },
         };
         if nearest.is_miss() || candidate.is_surely_before(nearest) {
             *nearest = candidate;
@@ -150,16 +166,18 @@ impl PreparedRay {
     }
 
     /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided.
-    fn intersect_undecided(
-        &self,
-        primitive: u32,
-        corners: [Vec3; 3],
-        from_eye: &EyeTriangle,
-    ) -> Option<BoundedHit> {
+    #[inline(never)]
+    fn intersect_undecided(&self, primitive: u32, corners: [Vec3; 3]) -> Option<BoundedHit> {
         if self.precision == Precision::Fast {
             return self.intersect_rounded(primitive, corners);
         }
-        match self.intersect_closely(primitive, corners, from_eye) {
+        let mut verdict = self.intersect_from_start(primitive, corners);
+        if matches!(verdict, Verdict::Undecided) {
+            verdict = self.with_shared(primitive, |from_eye| {
+                self.intersect_closely(primitive, corners, from_eye)
+            });
+        }
+        match verdict {
             Verdict::Miss => None,
             Verdict::Hit(hit) => Some(hit),
             Verdict::Undecided => {
@@ -169,6 +187,32 @@ impl PreparedRay {
         }
     }
 
+    /// Calls a function with what rays from the same eye share of a triangle.
+    fn with_shared<T>(&self, primitive: u32, function: impl FnOnce(&EyeTriangle) -> T) -> T {
+        match &self.from_eye {
+            Some(shared) => shared.with(primitive, function),
+            None => function(&EyeTriangle::default()),
+        }
+    }
+
+    /// The ray's determinants with a triangle from cross products that are known within roundings.
+    fn closest_determinants(
+        &self,
+        corners: [Vec3; 3],
+        from_eye: &EyeTriangle,
+    ) -> Option<Determinants> {
+        let shared = from_eye.closest_determinants(self.ray.origin, &self.placed(corners))?;
+        shared.of(self.ray.direction)
+    }
+
+    /// Their weights.
+    fn closest_weights(&self, primitive: u32, corners: [Vec3; 3]) -> Option<[Determinant; 3]> {
+        let determinants = self.with_shared(primitive, |from_eye| {
+            self.closest_determinants(corners, from_eye)
+        });
+        determinants.map(|determinants| determinants.weights)
+    }
+
     /// Intersects by determinants with bounds of their own: each more closely where the ones before leave it undecided.
     fn intersect_closely(
         &self,
@@ -176,10 +220,6 @@ impl PreparedRay {
         corners: [Vec3; 3],
         from_eye: &EyeTriangle,
     ) -> Verdict {
-        let verdict = self.intersect_from_start(primitive, corners);
-        if !matches!(verdict, Verdict::Undecided) {
-            return verdict;
-        }
         let determinants = self.componentwise(corners);
         let verdict = self.intersect_by_determinants(primitive, determinants);
         if !matches!(verdict, Verdict::Undecided) {
@@ -199,6 +239,13 @@ impl PreparedRay {
                 return verdict;
             }
             let verdict = self.intersect_from_eye(primitive, corners, from_eye);
+            if !matches!(verdict, Verdict::Undecided) {
+                return verdict;
+            }
+        }
+        if self.detail == Detail::Triangle {
+            let determinants = self.closest_determinants(corners, from_eye);
+            let verdict = self.intersect_by_determinants(primitive, determinants);
             if !matches!(verdict, Verdict::Undecided) {
                 return verdict;
             }
@@ -313,20 +360,10 @@ impl PreparedRay {
 
     /// The hit of a triangle that the ray is known to hit.
     pub(crate) fn hit_on(&self, primitive: u32, corners: [Vec3; 3]) -> BoundedHit {
-        self.hit_with(primitive, corners, &EyeTriangle::default())
-    }
-
-    /// [`PreparedRay::hit_on`] with what other rays from the same eye know of the triangle.
-    pub(crate) fn hit_with(
-        &self,
-        primitive: u32,
-        corners: [Vec3; 3],
-        from_eye: &EyeTriangle,
-    ) -> BoundedHit {
         match self.intersect_in_double(primitive, corners) {
             Verdict::Hit(hit) => hit,
             _ => self
-                .intersect_undecided(primitive, corners, from_eye)
+                .intersect_undecided(primitive, corners)
                 .unwrap_or(BoundedHit::NONE),
         }
     }
@@ -387,7 +424,8 @@ impl PreparedRay {
         self.intersect_by_edges(primitive, self.edges(corners), |point| point)
     }
 
-    /// As [`PreparedRay::intersect_in_double`], from a point close to the scene; undecided where the origin is close to it.
+    /// As [`PreparedRay::intersect_in_double`], from a point close to the scene; undecided where the origin is close to
+    /// it.
     fn intersect_from_start(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
         let Some(skipped) = self.skipped else {
             return Verdict::Undecided;
@@ -539,8 +577,8 @@ mod tests {
         true
     }
 
-    /// Rays from a point of a triangle except for rounding, where the parameter's numerator cancels. The truth is integer
-    /// arithmetic. That it is the numerator which decides is seen where twice of it gives twice the parameter.
+    /// Rays from a point of a triangle except for rounding, where the parameter's numerator cancels. The truth is
+    /// integer arithmetic. That it is the numerator which decides is seen where twice of it gives twice the parameter.
     #[test]
     fn rays_from_next_to_a_plane_are_decided_by_their_numerator() {
         let mut random = Random(66);
@@ -577,8 +615,8 @@ mod tests {
         }
     }
 
-    /// Triangles of 10⁻¹³ of their distance and less, which double precision hardly tells apart from the eye: from a point of the
-    /// ray close to them nearly all are decided. The truth is integer arithmetic.
+    /// Triangles of 10⁻¹³ of their distance and less, which double precision hardly tells apart from the eye: from a
+    /// point of the ray close to them nearly all are decided. The truth is integer arithmetic.
     #[test]
     fn triangles_that_are_tiny_and_far_are_decided_from_a_start_close_to_them() {
         let mut random = Random(67);
@@ -610,8 +648,8 @@ mod tests {
         assert!(from_eye < rays / 2, "{from_eye} of {rays}");
     }
 
-    /// The numerator of this ray's parameter is about 10⁻³⁸⁰, which no double is: not zero, as in a plane that contains the
-    /// origin.
+    /// The numerator of this ray's parameter is about 10⁻³⁸⁰, which no double is: not zero, as in a plane that contains
+    /// the origin.
     #[test]
     fn a_numerator_less_than_any_double_is_not_zero() {
         let corners = [[1.0, -1.0], [-1.0, -1.0], [2.0, 3.0]]

@@ -9,9 +9,9 @@ pub use scenes::{ScenePair, SceneView};
 use scenes::{
     between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
     far_vertex, inside_needle, integer_plane, mesh_copies, next_to_discs, next_to_fan,
-    next_to_grid_plane, next_to_layers, next_to_planes, next_to_vertex, one_plane, ray_plane,
-    rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex, subnormal_layers,
-    thin_boxes, tiny_and_far,
+    next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers, next_to_vertex,
+    one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex,
+    subnormal_layers, thin_boxes, tilted_layers, tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -68,6 +68,15 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("eye_next_to_a_vertex_of_layers", next_to_discs),
     timed("eye_next_to_thousands_of_one_plane", next_to_grid_plane),
     timed("eye_in_a_needle", inside_needle),
+    // Double-double arithmetic orders none of them: their distances from each other's planes are computed in integers.
+    timed(
+        "layers_of_a_tilted_plane_apart_by_subnormal_numbers",
+        tilted_layers,
+    ),
+    timed(
+        "eye_next_to_layers_of_a_tilted_plane",
+        next_to_tilted_layers,
+    ),
 ];
 
 macro_rules! case {
@@ -238,6 +247,18 @@ pub(super) const CASES: &[Case] = &[
         inside_needle,
         (48, 36),
         "The eye in the middle of a needle but for rounding, which half of the rays hit: double precision gives neither the distance nor the weights of a hit to single precision."
+    ),
+    case!(
+        "layers_of_a_tilted_plane_apart_by_subnormal_numbers",
+        tilted_layers,
+        (6, 4),
+        "8,000 overlapping triangles of a tilted plane with whole coordinates but for corners 1e-41 off it: double-double arithmetic tells none of their distances apart."
+    ),
+    case!(
+        "eye_next_to_layers_of_a_tilted_plane",
+        next_to_tilted_layers,
+        (16, 12),
+        "The eye 3e-45 from such a plane, and next to a corner that hundreds of its 2,000 triangles share."
     ),
 ];
 

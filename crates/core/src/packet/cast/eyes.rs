@@ -81,6 +81,7 @@ impl Accel {
             precision,
             primitives,
             counts: &mut counts,
+            from_eye: None,
         };
         find.cast_each(&RayRect::all(lattice));
         counts

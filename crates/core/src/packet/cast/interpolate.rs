@@ -2,18 +2,19 @@
 
 use crate::bvh::Accel;
 use crate::camera::{Lattice, PanoramaRays, Projection};
-use crate::hit::{Cull, HitNumbers, MISS, Precision, PrimitiveHit};
+use crate::hit::{Cull, Detail, HitNumbers, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
 use crate::triangle::interpolate::{
     LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
-use crate::triangle::{CornerLanes, EyeTriangle};
+use crate::triangle::{CornerLanes, EyeTriangles};
+use std::rc::Rc;
 
 impl Accel {
-    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find_closest`] found, given by the
-    /// primitive indices in `hits`: bit for bit what [`Accel::cast_primitive`] answers.
+    /// Interpolates t, u and v where the rays of a lattice hit the triangles that [`Accel::find_closest`] found, given
+    /// by the primitive indices in `hits`: bit for bit what [`Accel::cast_primitive`] answers.
     pub fn interpolate(
         &self,
         lattice: &Lattice,
@@ -113,7 +114,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             pencil: Pencil::new(lattice, accel.origin),
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
-            from_eye: has_eye.then(Vec::new),
+            from_eye: has_eye.then(Rc::default),
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -176,8 +177,8 @@ struct Interpolate<'a, const INSTANCES: bool> {
     around: Option<PanoramaRays>,
     /// Indexed by the low bits of the primitive index.
     cached: [(u32, LinearHit); CACHED],
-    /// What the rays share of triangles, where all start at one eye: empty before it is needed, then indexed likewise.
-    from_eye: Option<Vec<(u32, EyeTriangle)>>,
+    /// What the rays share of triangles, where all start at one eye.
+    from_eye: Option<Rc<EyeTriangles>>,
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -376,15 +377,10 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             return PrimitiveHit::NONE;
         };
         let corners = self.accel.corners_of::<INSTANCES>(primitive);
-        let Some(from_eye) = &mut self.from_eye else {
-            return ray.hit_on(primitive, corners).to_primitive_hit();
+        let ray = match &self.from_eye {
+            Some(from_eye) => ray.sharing(from_eye, Detail::Full),
+            None => ray,
         };
-        from_eye.resize_with(CACHED, || (MISS, EyeTriangle::default()));
-        let (cached, triangle) = &mut from_eye[primitive as usize % CACHED];
-        if *cached != primitive {
-            (*cached, *triangle) = (primitive, EyeTriangle::default());
-        }
-        ray.hit_with(primitive, corners, triangle)
-            .to_primitive_hit()
+        ray.hit_on(primitive, corners).to_primitive_hit()
     }
 }

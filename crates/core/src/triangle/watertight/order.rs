@@ -2,10 +2,12 @@
 
 use super::{PreparedRay, Verdict};
 use crate::hit::Precision;
+use crate::num::roundoff::EPSILON;
 use crate::triangle::BoundedHit;
-use crate::triangle::coplanar::are_coplanar;
+use crate::triangle::componentwise::Determinant;
+use crate::triangle::coplanar::share_plane_of_axis;
 use crate::triangle::exact;
-use crate::triangle::plane::Plane;
+use crate::triangle::plane::{LEAST_SURE, Plane, side_of_plane};
 use glam::Vec3;
 use std::cmp::Ordering;
 
@@ -43,6 +45,9 @@ impl PreparedRay {
         }
         let [first, second] =
             [candidate, nearest].map(|hit| (hit.primitive, corners(hit.primitive)));
+        if share_plane_of_axis(first.1, second.1) {
+            return Ordering::Equal;
+        }
         if let Some(order) = self.compare_by_planes(candidate, nearest, first.1, second.1) {
             return order;
         }
@@ -51,16 +56,15 @@ impl PreparedRay {
         if let Some(order) = order_of(closely) {
             return order;
         }
-        if are_coplanar(first.1, second.1) {
-            self.was_exact.set(true);
-            return Ordering::Equal;
+        self.was_exact.set(true);
+        if let Some(order) = self.compare_by_exact_planes(candidate, nearest, first.1, second.1) {
+            return order;
         }
         let more =
             [first, second].map(|(primitive, at)| self.intersect_in_double_double(primitive, at));
         if let Some(order) = order_of(more) {
             return order;
         }
-        self.was_exact.set(true);
         let [candidate, nearest] =
             [candidate, nearest].map(|hit| self.placed(corners(hit.primitive)));
         // Both are known to be hits.
@@ -78,7 +82,8 @@ impl PreparedRay {
     ) -> Option<Ordering> {
         let behind = |hit: &BoundedHit, corners: [Vec3; 3], of: [Vec3; 3]| {
             let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
-            Some(plane.side_of(hit, corners)? > 0.0)
+            let distances = corners.map(|corner| plane.distance(corner));
+            Some(side_of_plane(distances, hit)? > 0.0)
         };
         match behind(candidate, first, second) {
             Some(true) => Some(Ordering::Greater),
@@ -89,6 +94,48 @@ impl PreparedRay {
             },
         }
     }
+
+    /// The same by exact distances from the planes: `Equal` where both triangles lie in one.
+    fn compare_by_exact_planes(
+        &self,
+        candidate: &BoundedHit,
+        nearest: &BoundedHit,
+        first: [Vec3; 3],
+        second: [Vec3; 3],
+    ) -> Option<Ordering> {
+        let against = |hit: &BoundedHit, corners: [Vec3; 3], of: [Vec3; 3]| {
+            let distances = exact::distances_from_plane(corners, of);
+            if distances == [0.0; 3] {
+                return Some(Ordering::Equal);
+            }
+            let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
+            let distances = plane.with_bounds(distances);
+            let side = side_of_plane(distances, hit).or_else(|| {
+                let weights = self.closest_weights(hit.primitive, corners)?;
+                side_by_weights(distances, weights)
+            })?;
+            side.partial_cmp(&0.0)
+        };
+        against(candidate, first, second)
+            .or_else(|| against(nearest, second, first).map(Ordering::reverse))
+    }
+}
+
+/// On which side of a plane a triangle's hit lies, as [`side_of_plane`] says it, by weights that each have an error of
+/// their own: next to a corner in the plane the hit's distance is as small as the weights of the other corners.
+///
+/// Each product is rounded, and the sum twice: 3ε of the terms' magnitudes, and one ε for the bound itself.
+fn side_by_weights(distances: [(f64, f64); 3], weights: [Determinant; 3]) -> Option<f64> {
+    let (mut value, mut error, mut sum) = (0.0, 0.0, 0.0);
+    for ((distance, distance_error), weight) in distances.into_iter().zip(weights) {
+        let size = weight.value.abs() + weight.error;
+        value += distance * weight.value;
+        error += distance.abs() * (weight.error + 4.0 * EPSILON * size) + distance_error * size;
+        sum += weight.value;
+    }
+    // The weights of a hit have one sign. That of the side is the value's in units of their sum.
+    let is_sure = value.abs() > error + LEAST_SURE;
+    is_sure.then(|| value.signum() * sum.signum())
 }
 
 /// Which of two hits is surely nearer; `None` where their intervals overlap.
@@ -108,4 +155,123 @@ fn order_of(verdicts: [Verdict; 2]) -> Option<Ordering> {
 /// Whether two triangles have the same corners, in any order.
 fn same_corners(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     a.iter().all(|p| b.contains(p)) && b.iter().all(|p| a.contains(p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hit::{Cull, Detail};
+    use crate::num::double_double::DoubleDouble;
+    use crate::random::Random;
+    use crate::ray::Ray;
+    use crate::triangle::EyeTriangles;
+    use glam::DVec3;
+    use std::rc::Rc;
+
+    fn weight(value: f64, error: f64) -> Determinant {
+        Determinant { value, error }
+    }
+
+    /// With the error of weights at zero this fails.
+    #[test]
+    fn sums_within_the_error_of_weights_decide_nothing() {
+        let distances = [(1.0, 0.0), (-1.0, 0.0), (0.0, 0.0)];
+        let side = |more: f64, sign: f64| {
+            let weights = [1.0 + more, 1.0, 1.0].map(|value| weight(sign * value, 1e-9));
+            side_by_weights(distances, weights)
+        };
+        for sign in [1.0, -1.0] {
+            assert_eq!([side(1.9e-9, sign), side(-1.9e-9, sign)], [None; 2]);
+            assert_eq!(
+                [side(2.1e-9, sign), side(-2.1e-9, sign)],
+                [Some(1.0), Some(-1.0)]
+            );
+        }
+    }
+
+    /// With the error of distances at zero this fails.
+    #[test]
+    fn sums_within_the_error_of_distances_decide_nothing() {
+        let weights = [weight(1.0, 0.0); 3];
+        let side = |more: f64| {
+            let distances = [(1.0 + more, 1e-9), (-1.0, 1e-9), (0.0, 0.0)];
+            side_by_weights(distances, weights)
+        };
+        assert_eq!([side(1.9e-9), side(-1.9e-9)], [None; 2]);
+        assert_eq!([side(2.1e-9), side(-2.1e-9)], [Some(1.0), Some(-1.0)]);
+    }
+
+    /// Distances and weights are exact, and their sum cancels but for rounding. The truth is double-double arithmetic.
+    /// With the term for roundings at zero this fails.
+    #[test]
+    fn sums_within_their_roundings_decide_nothing() {
+        let mut random = Random(68);
+        let mut decided = 0;
+        for _ in 0..20_000 {
+            let [a, b, c] = [(); 3].map(|()| random.unit());
+            let [s, t] = [(); 2].map(|()| random.signed());
+            let last = -(s * a + t * b) / c;
+            let distances = [s, t, last].map(|distance| (distance, 0.0));
+            let side = side_by_weights(distances, [a, b, c].map(|value| weight(value, 0.0)));
+            let product = |x: f64, y: f64| DoubleDouble::from(x) * DoubleDouble::from(y);
+            let truth = product(s, a) + product(t, b) + product(last, c);
+            if let Some(side) = side {
+                assert_eq!(side, truth.high.signum(), "{s} {t} {last} {a} {b} {c}");
+                decided += 1;
+            }
+        }
+        assert!(decided < 2000, "{decided}");
+    }
+
+    /// Triangles that share a corner next to which the rays start, so that they hit all of them next to it: alone, and
+    /// sharing what they know of triangles. The truth is integer arithmetic.
+    #[test]
+    fn hits_next_to_a_corner_of_both_are_ordered_as_integers_order_them() {
+        let mut random = Random(69);
+        let least = f64::from(f32::from_bits(1));
+        let mut hits = 0;
+        for round in 0..3000 {
+            let mut corner = || {
+                let [x, y] = [(); 2].map(|()| (random.signed() * 3.0).round());
+                let z = x - 2.0 * y;
+                let off = (random.signed() * 4.0).round() * 1e3 * least;
+                DVec3::new(x, y, if z == 0.0 { off } else { z }).as_vec3()
+            };
+            let pair = [(); 2].map(|()| [Vec3::ZERO, corner(), corner()]);
+            let eye = random.point() * [1e-30, 1e-40][round % 2];
+            let inside = (pair[0][1] + pair[0][2]).as_dvec3() * random.unit() * 1e-29;
+            let ray = Ray::new(eye, inside - eye);
+            let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact);
+            let Some(alone) = prepared else { continue };
+            let [a, b] = pair.map(|corners| alone.placed(corners));
+            let truth = exact::compare(&ray, &a, &b, Cull::None);
+            let shared = Rc::new(EyeTriangles::default());
+            let of_both =
+                |ray: &PreparedRay| [0, 1].map(|which| ray.hit_on(which, pair[which as usize]));
+            for detail in [None, Some(Detail::Full), Some(Detail::Triangle)] {
+                let ray = match detail {
+                    Some(detail) => alone.clone().sharing(&shared, detail),
+                    None => alone.clone(),
+                };
+                let [a, b] = of_both(&ray);
+                assert_eq!(
+                    !a.is_miss() && !b.is_miss(),
+                    truth.is_some(),
+                    "{pair:?} {ray:?}"
+                );
+                if let Some(truth) = truth {
+                    let order = ray.order(&a, &b, |which| pair[which as usize], |_| 0);
+                    assert_eq!(order, truth, "{pair:?} {ray:?}");
+                    hits += 1;
+                }
+                if detail == Some(Detail::Full) {
+                    let bits = |[a, b]: [BoundedHit; 2]| {
+                        [a, b].map(|hit| [hit.t, hit.u, hit.v].map(f64::to_bits))
+                    };
+                    assert_eq!(bits(of_both(&ray)), bits(of_both(&alone)));
+                }
+            }
+        }
+        assert!(hits > 900, "{hits}");
+    }
 }

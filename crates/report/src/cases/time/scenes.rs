@@ -332,8 +332,8 @@ pub(super) fn next_to_planes() -> ScenePair {
     pair(DVec3::new(1.0, 0.0, 2.0), hostile, ordinary)
 }
 
-/// A scene and one of as many ordinary triangles, seen from afar along the z axis so that rays meet z = 0 at multiples of a
-/// power of two.
+/// A scene and one of as many ordinary triangles, seen from afar along the z axis so that rays meet z = 0 at multiples
+/// of a power of two.
 fn pair_on_grid(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
     let target = DVec3::new(0.5, 0.5, 0.0);
     let view_of = |corners| SceneView {
@@ -377,6 +377,37 @@ pub(super) fn crossing_layers() -> ScenePair {
     });
     let ordinary = triangles_on(16_000, || random.in_cube() * 8.0);
     pair_on_grid(&layers, &ordinary)
+}
+
+/// A corner of the plane z = x − 2y with whole coordinates, but up to some 1e-41 off it where z is zero.
+fn on_tilted_plane(random: &mut Random, size: f64) -> DVec3 {
+    let at = (random.in_cube() * size).round();
+    let least = f64::from(f32::from_bits(1));
+    match at.x - 2.0 * at.y {
+        0.0 => at.with_z(at.z * 1e3 * least),
+        z => at.with_z(z),
+    }
+}
+
+pub(super) fn tilted_layers() -> ScenePair {
+    let mut random = Random::new(560);
+    let layers = triangles_on(8000, || on_tilted_plane(&mut random, 4.0));
+    let ordinary = triangles_on(8000, || random.in_cube() * 4.0);
+    let view_of = |corners: &[[DVec3; 3]]| SceneView {
+        scene: single_mesh(soup(corners)),
+        view: (DVec3::new(6.0, 2.0, 16.0), DVec3::ZERO, 8.0),
+    };
+    ScenePair {
+        hostile: view_of(&layers),
+        ordinary: view_of(&ordinary),
+    }
+}
+
+pub(super) fn next_to_tilted_layers() -> ScenePair {
+    let mut random = Random::new(570);
+    let layers = triangles_on(2000, || on_tilted_plane(&mut random, 4.0));
+    let ordinary = triangles_on(2000, || random.in_cube() * 4.0);
+    pair_from_the_origin(&layers, &ordinary)
 }
 
 /// A plane with whole coordinates, whose normal orthographic rays follow from a point in it on.
