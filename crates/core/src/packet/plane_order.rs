@@ -28,6 +28,7 @@ use super::setup::{Linear, PacketSpace, REACH};
 use crate::hit::MISS;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
+use crate::triangle::coplanar::share_plane_of_axis;
 use crate::triangle::exact::distances_from_plane;
 use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::Vec3;
@@ -158,6 +159,9 @@ impl PlaneOrder {
         let [first, second] = edges.corners;
         let may_lie_in_plane =
             (distances.iter()).all(|(distance, error)| distance.abs() <= error + LEAST_SURE);
+        if may_lie_in_plane && share_plane_of_axis(*first, *second) {
+            return *Self::in_one_plane(is_first);
+        }
         let mut distances = distances;
         if !may_lie_in_plane {
             let distance = |corner| plane.distance_in_double_double(*first, corner);

@@ -26,7 +26,7 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
 }
 
 /// Whether two triangles lie in one plane perpendicular to an axis.
-pub(super) fn share_plane_of_axis(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+pub(crate) fn share_plane_of_axis(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     let in_plane_of_axis = |axis: usize| {
         let mut all = a.iter().chain(&b).map(|corner| corner[axis]);
         all.all(|coordinate| coordinate == a[0][axis])
