@@ -225,7 +225,8 @@ impl EyeCross {
         }
     }
 
-    /// Of a cross product that is rounded to within a unit in the last place, 2ε.
+    /// Of an exact cross product, rounded to within a unit in the last place: off by 2ε of itself, by 3ε from products
+    /// with a direction, and one ε for higher orders.
     fn rounded(value: DVec3) -> Self {
         Self {
             value,
@@ -310,7 +311,7 @@ impl EyeDeterminants {
         Self { crosses, numerator }
     }
 
-    /// Whether every component of the cross products is known within two roundings.
+    /// Whether every component of the cross products is known as well as an exact one that is rounded.
     pub(super) fn are_accurate(&self) -> bool {
         let mut crosses = self.crosses.iter();
         crosses.all(|cross| {

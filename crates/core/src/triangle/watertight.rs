@@ -103,9 +103,9 @@ impl PreparedRay {
         })
     }
 
-    /// The same ray, one of many from its origin, with what they share of triangles. With [`Detail::Full`] its hits' t, u
-    /// and v are those of the ray alone, bit for bit; with [`Detail::Triangle`] more triangles are decided without integers,
-    /// by numbers that round otherwise.
+    /// The same ray, one of many from its origin, with what they share of triangles. With [`Detail::Full`] its hits' t,
+    /// u and v are those of the ray alone, bit for bit; with [`Detail::Triangle`] more triangles are decided without
+    /// integers, by numbers that round otherwise.
     #[must_use]
     pub(crate) fn sharing(self, from_eye: &Rc<EyeTriangles>, detail: Detail) -> Self {
         Self {
