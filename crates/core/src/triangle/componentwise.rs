@@ -225,12 +225,15 @@ impl EyeCross {
         }
     }
 
-    /// Of an exact cross product, rounded to within a unit in the last place: off by 2ε of itself, by 3ε from products
-    /// with a direction, and one ε for higher orders.
+    /// The error of exact cross products, rounded to within a unit in the last place: 2ε of themselves, 3ε from
+    /// products with a direction, and one ε for higher orders.
+    const ROUNDED: f64 = 6.0 * EPSILON;
+
+    /// Of an exact cross product, rounded.
     fn rounded(value: DVec3) -> Self {
         Self {
             value,
-            error: value.abs() * (6.0 * EPSILON),
+            error: value.abs() * Self::ROUNDED,
         }
     }
 
@@ -313,11 +316,11 @@ impl EyeDeterminants {
 
     /// Whether every component of the cross products is known as well as an exact one that is rounded.
     pub(super) fn are_accurate(&self) -> bool {
-        let mut crosses = self.crosses.iter();
-        crosses.all(|cross| {
-            let most = cross.value.abs() * (6.0 * EPSILON);
+        let is_accurate = |cross: &EyeCross| {
+            let most = cross.value.abs() * EyeCross::ROUNDED;
             cross.error.cmple(most).all()
-        })
+        };
+        self.crosses.iter().all(is_accurate)
     }
 
     /// The determinants of a ray with this direction. `None` where that is out of [`FACTOR_RANGE`].

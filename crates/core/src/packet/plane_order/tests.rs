@@ -1,5 +1,5 @@
 use super::*;
-use crate::camera::Projection;
+use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
 use crate::math;
 use crate::num::exact::is_collinear;
@@ -62,6 +62,34 @@ fn of_pair<'o>(
         orders.find(pair, pair.map(|number| &triangles[number as usize]), true);
     }
     orders.order(pair)
+}
+
+/// Orders each two neighbours among the triangles that a ray in the middle of a camera's picture hits: calls `check`
+/// with the order, the truth, and the order of eight rays at that place. Only triangles at one distance may be in one
+/// plane.
+fn for_each_pair(
+    camera: &Camera,
+    triangles: &[[Vec3; 3]],
+    mut check: impl FnMut(&PlaneOrder, Ordering, [u32; 2]),
+) {
+    let mut orders = PlaneOrders::new();
+    orders.set_rays(&space(camera, DVec3::ZERO, Cull::None));
+    let triangle = |triangle: u32| OffsetTriangle {
+        corners: triangles[triangle as usize],
+        origin: DVec3::ZERO,
+    };
+    let ray = camera.ray(9.5, 9.5);
+    let places = (&[9.0; LANES], &[9.0; LANES]);
+    let hits: Vec<u32> = (0..triangles.len() as u32)
+        .filter(|&at| exact::hit(&ray, &triangle(at), Cull::None, 0).is_some())
+        .collect();
+    for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
+        let [first, second] = pair.map(triangle);
+        let truth = exact::compare(&ray, &first, &second, Cull::None).expect("both are hit");
+        let order = of_pair(&mut orders, pair, triangles);
+        assert!(!order.in_one_plane || truth.is_eq());
+        check(order, truth, order.of_eight(places));
+    }
 }
 
 /// Orders are those of exact arithmetic, for rays and for cells.
@@ -201,30 +229,13 @@ fn triangles_of_many_magnitudes_are_ordered_as_exact_arithmetic_orders_them() {
     for _ in 0..150 {
         let camera = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.02);
         let eye = camera.pose().eye;
-        let space = space(&camera, DVec3::ZERO, Cull::None);
-        let mut orders = PlaneOrders::new();
-        orders.set_rays(&space);
         let mut number = || random.signed() * math::pow(10.0, 18.0 * random.signed());
         let mut corner = || (eye + DVec3::new(number(), number(), number())).as_vec3();
         let triangles: Vec<[Vec3; 3]> = (0..40).map(|_| [(); 3].map(|()| corner())).collect();
-        let triangle = |triangle: u32| OffsetTriangle {
-            corners: triangles[triangle as usize],
-            origin: DVec3::ZERO,
-        };
-        let ray = camera.ray(9.5, 9.5);
-        let places = (&[9.0; LANES], &[9.0; LANES]);
-        let hits: Vec<u32> = (0..triangles.len() as u32)
-            .filter(|&at| exact::hit(&ray, &triangle(at), Cull::None, 0).is_some())
-            .collect();
-        for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
-            let [first, second] = pair.map(triangle);
-            let truth = exact::compare(&ray, &first, &second, Cull::None);
-            let truth = truth.expect("both are hit");
-            let order = of_pair(&mut orders, pair, &triangles);
-            assert!(!order.in_one_plane || truth.is_eq());
+        for_each_pair(&camera, &triangles, |order, truth, eight| {
             pairs += 1;
-            decided += u32::from(order.in_one_plane || is_decided(order.of_eight(places), truth));
-        }
+            decided += u32::from(order.in_one_plane || is_decided(eight, truth));
+        });
     }
     assert!(
         pairs > 300 && decided * 100 > pairs * 90,
@@ -243,9 +254,6 @@ fn triangles_of_a_tilted_plane_but_for_subnormal_numbers_are_ordered() {
         let [mut pairs, mut decided, mut in_one_plane] = [0; 3];
         for _ in 0..100 {
             let camera = camera(&mut random, DVec3::ZERO, projection, 0.1);
-            let space = space(&camera, DVec3::ZERO, Cull::None);
-            let mut orders = PlaneOrders::new();
-            orders.set_rays(&space);
             let mut corner = || {
                 let [x, y] = [(); 2].map(|()| (random.signed() * 2.0).round());
                 let z = x - 2.0 * y;
@@ -256,28 +264,13 @@ fn triangles_of_a_tilted_plane_but_for_subnormal_numbers_are_ordered() {
                 .map(|_| [corner(), corner(), corner()])
                 .filter(|&[a, b, c]| !is_collinear(a, b, c))
                 .collect();
-            let triangle = |triangle: u32| OffsetTriangle {
-                corners: triangles[triangle as usize],
-                origin: DVec3::ZERO,
-            };
-            let ray = camera.ray(9.5, 9.5);
-            let places = (&[9.0; LANES], &[9.0; LANES]);
-            let hits: Vec<u32> = (0..triangles.len() as u32)
-                .filter(|&at| exact::hit(&ray, &triangle(at), Cull::None, 0).is_some())
-                .collect();
-            for pair in hits.windows(2).map(|pair| [pair[0], pair[1]]) {
-                let [first, second] = pair.map(triangle);
-                let truth = exact::compare(&ray, &first, &second, Cull::None);
-                let truth = truth.expect("both are hit");
-                let order = of_pair(&mut orders, pair, &triangles);
+            for_each_pair(&camera, &triangles, |order, truth, eight| {
                 pairs += 1;
-                if order.in_one_plane {
-                    assert_eq!(truth, Ordering::Equal);
-                    in_one_plane += 1;
-                } else {
-                    decided += u32::from(is_decided(order.of_eight(places), truth));
+                match order.in_one_plane {
+                    true => in_one_plane += 1,
+                    false => decided += u32::from(is_decided(eight, truth)),
                 }
-            }
+            });
         }
         assert!(
             pairs > 200 && in_one_plane > 10 && (decided + in_one_plane) * 100 > pairs * 90,

@@ -48,7 +48,8 @@ impl PreparedRay {
         if share_plane_of_axis(first.1, second.1) {
             return Ordering::Equal;
         }
-        if let Some(order) = self.compare_by_planes(candidate, nearest, first.1, second.1) {
+        let placed = [(candidate, first.1), (nearest, second.1)];
+        if let Some(order) = self.compare_by_planes(placed) {
             return order;
         }
         let closely =
@@ -57,7 +58,7 @@ impl PreparedRay {
             return order;
         }
         self.was_exact.set(true);
-        if let Some(order) = self.compare_by_exact_planes(candidate, nearest, first.1, second.1) {
+        if let Some(order) = self.compare_by_exact_planes(placed) {
             return order;
         }
         let more =
@@ -73,52 +74,42 @@ impl PreparedRay {
 
     /// Which of two hits is nearer, by the plane of either triangle and the corners of the other; `None` where that is
     /// not sure.
-    fn compare_by_planes(
-        &self,
-        candidate: &BoundedHit,
-        nearest: &BoundedHit,
-        first: [Vec3; 3],
-        second: [Vec3; 3],
-    ) -> Option<Ordering> {
-        let behind = |hit: &BoundedHit, corners: [Vec3; 3], of: [Vec3; 3]| {
+    fn compare_by_planes(&self, hits: [PlacedHit; 2]) -> Option<Ordering> {
+        by_either_plane(hits, |(hit, corners), (_, of)| {
             let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
-            let distances = corners.map(|corner| plane.distance(corner));
-            Some(side_of_plane(distances, hit)? > 0.0)
-        };
-        match behind(candidate, first, second) {
-            Some(true) => Some(Ordering::Greater),
-            Some(false) => Some(Ordering::Less),
-            None => match behind(nearest, second, first)? {
-                true => Some(Ordering::Less),
-                false => Some(Ordering::Greater),
-            },
-        }
+            side_of_plane(corners.map(|corner| plane.distance(corner)), hit)
+        })
     }
 
     /// The same by exact distances from the planes: `Equal` where both triangles lie in one.
-    fn compare_by_exact_planes(
-        &self,
-        candidate: &BoundedHit,
-        nearest: &BoundedHit,
-        first: [Vec3; 3],
-        second: [Vec3; 3],
-    ) -> Option<Ordering> {
-        let against = |hit: &BoundedHit, corners: [Vec3; 3], of: [Vec3; 3]| {
+    fn compare_by_exact_planes(&self, hits: [PlacedHit; 2]) -> Option<Ordering> {
+        by_either_plane(hits, |(hit, corners), (_, of)| {
             let distances = exact::distances_from_plane(corners, of);
             if distances == [0.0; 3] {
-                return Some(Ordering::Equal);
+                return Some(0.0);
             }
             let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
             let distances = plane.with_bounds(distances);
-            let side = side_of_plane(distances, hit).or_else(|| {
+            side_of_plane(distances, hit).or_else(|| {
                 let weights = self.closest_weights(hit.primitive, corners)?;
                 side_by_weights(distances, weights)
-            })?;
-            side.partial_cmp(&0.0)
-        };
-        against(candidate, first, second)
-            .or_else(|| against(nearest, second, first).map(Ordering::reverse))
+            })
+        })
     }
+}
+
+/// A hit, and the corners of its triangle.
+type PlacedHit<'a> = (&'a BoundedHit, [Vec3; 3]);
+
+/// Which of two hits is nearer. `side` says where its first hit lies from the plane of the second one's triangle:
+/// positive behind it, zero in it; `None` where that is not sure.
+#[inline(always)]
+fn by_either_plane(
+    [a, b]: [PlacedHit; 2],
+    side: impl Fn(PlacedHit, PlacedHit) -> Option<f64>,
+) -> Option<Ordering> {
+    let against = |hit, plane| side(hit, plane)?.partial_cmp(&0.0);
+    against(a, b).or_else(|| against(b, a).map(Ordering::reverse))
 }
 
 /// On which side of a plane a triangle's hit lies, as [`side_of_plane`] says it, by weights that each have an error of

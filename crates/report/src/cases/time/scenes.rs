@@ -11,11 +11,14 @@ use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// A scene, and where it is seen from: eye, target, and the frame's height there.
+/// Eye, target, and the frame's height there.
+type View = (DVec3, DVec3, f64);
+
+/// A scene, and where it is seen from.
 pub struct SceneView {
     /// The scene.
     pub scene: Scene,
-    view: (DVec3, DVec3, f64),
+    view: View,
 }
 
 impl SceneView {
@@ -36,15 +39,20 @@ pub struct ScenePair {
 
 const EYE: DVec3 = DVec3::new(0.25, 0.5, 3.0);
 
+/// Two scenes in one view.
+fn pair_in(view: View, hostile: Scene, ordinary: Scene) -> ScenePair {
+    let [hostile, ordinary] = [hostile, ordinary].map(|scene| SceneView { scene, view });
+    ScenePair { hostile, ordinary }
+}
+
 fn pair(eye: DVec3, hostile: Scene, ordinary: Scene) -> ScenePair {
-    let view_of = |scene| SceneView {
-        scene,
-        view: (eye, DVec3::ZERO, 2.0),
-    };
-    ScenePair {
-        hostile: view_of(hostile),
-        ordinary: view_of(ordinary),
-    }
+    pair_in((eye, DVec3::ZERO, 2.0), hostile, ordinary)
+}
+
+/// Two soups in one view.
+fn soups_in(view: View, hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
+    let scene_of_soup = |corners| single_mesh(soup(corners));
+    pair_in(view, scene_of_soup(hostile), scene_of_soup(ordinary))
 }
 
 fn single_mesh(mesh: Mesh) -> Scene {
@@ -292,14 +300,7 @@ pub(super) fn far_vertex() -> ScenePair {
         .collect();
     let mut moved = |corner: DVec3| corner + random.in_cube() * 0.3;
     let ordinary: Vec<[DVec3; 3]> = fan.iter().map(|corners| corners.map(&mut moved)).collect();
-    let view_of = |corners: &[[DVec3; 3]]| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (eye, far, 2.0),
-    };
-    ScenePair {
-        hostile: view_of(&fan),
-        ordinary: view_of(&ordinary),
-    }
+    soups_in((eye, far, 2.0), &fan, &ordinary)
 }
 
 /// 200 triangles about the eye, across the view, their corners a rounding or so from one plane.
@@ -336,14 +337,7 @@ pub(super) fn next_to_planes() -> ScenePair {
 /// of a power of two.
 fn pair_on_grid(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
     let target = DVec3::new(0.5, 0.5, 0.0);
-    let view_of = |corners| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (target + DVec3::Z * 16.0, target, 12.0),
-    };
-    ScenePair {
-        hostile: view_of(hostile),
-        ordinary: view_of(ordinary),
-    }
+    soups_in((target + DVec3::Z * 16.0, target, 12.0), hostile, ordinary)
 }
 
 /// Triangles whose corners are random.
@@ -393,14 +387,11 @@ pub(super) fn tilted_layers() -> ScenePair {
     let mut random = Random::new(560);
     let layers = triangles_on(8000, || on_tilted_plane(&mut random, 4.0));
     let ordinary = triangles_on(8000, || random.in_cube() * 4.0);
-    let view_of = |corners: &[[DVec3; 3]]| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (DVec3::new(6.0, 2.0, 16.0), DVec3::ZERO, 8.0),
-    };
-    ScenePair {
-        hostile: view_of(&layers),
-        ordinary: view_of(&ordinary),
-    }
+    soups_in(
+        (DVec3::new(6.0, 2.0, 16.0), DVec3::ZERO, 8.0),
+        &layers,
+        &ordinary,
+    )
 }
 
 pub(super) fn next_to_tilted_layers() -> ScenePair {
@@ -419,27 +410,17 @@ pub(super) fn ray_plane() -> ScenePair {
     });
     let ordinary = triangles_on(12_000, || random.in_cube() * 8.0);
     let eye = DVec3::new(0.5, 0.5, -0.5);
-    let view_of = |corners: &[[DVec3; 3]]| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (eye, eye + DVec3::new(2.0, -3.0, -1.0), 24.0),
-    };
-    ScenePair {
-        hostile: view_of(&tilted),
-        ordinary: view_of(&ordinary),
-    }
+    soups_in(
+        (eye, eye + DVec3::new(2.0, -3.0, -1.0), 24.0),
+        &tilted,
+        &ordinary,
+    )
 }
 
 /// A scene and one of as many ordinary triangles, seen from next to the origin.
 fn pair_from_the_origin(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
     let eye = DVec3::Z * (2.0 * f64::from(f32::from_bits(1)));
-    let view_of = |corners| SceneView {
-        scene: single_mesh(soup(corners)),
-        view: (eye, DVec3::new(0.25, -0.5, -1.0), 1.0),
-    };
-    ScenePair {
-        hostile: view_of(hostile),
-        ordinary: view_of(ordinary),
-    }
+    soups_in((eye, DVec3::new(0.25, -0.5, -1.0), 1.0), hostile, ordinary)
 }
 
 /// Triangles that all have the origin as a corner.
