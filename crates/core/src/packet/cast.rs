@@ -2,11 +2,13 @@
 
 mod around;
 mod eyes;
+mod far;
 mod interpolate;
 
 use super::counts::CastCounts;
 use super::interval_zbuffer::IntervalZBuffer;
 use super::params::{LARGE_SIDE, SIDE};
+use super::places::NearEye;
 use super::ray_rect::RayRect;
 use super::traversal::Traversal;
 use crate::bvh::Accel;
@@ -87,7 +89,10 @@ impl Accel {
             from_eye: has_eye.then(Rc::default),
         };
         if lattice.camera.projection().panorama().is_none() {
-            find.find_on(RayRect::all(lattice), None);
+            match NearEye::of(self, &lattice.camera) {
+                Some(near) if find.may_see_from_near() => find.find_from(near),
+                _ => find.find_on(RayRect::all(lattice), None),
+            }
         } else if let Some(faces) = lattice.faces() {
             for (rect, camera) in faces {
                 find.find_on(RayRect::of(rect), Some(camera));

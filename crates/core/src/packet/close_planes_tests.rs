@@ -34,12 +34,17 @@ fn check(accel: &Accel, eye: DVec3, towards: DVec3, projection: Projection) -> (
 
 /// Casts a camera's rays; returns how many hit something.
 pub(super) fn check_from(accel: &Accel, camera: &Camera) -> (usize, CastCounts) {
+    check_faces(accel, camera, Cull::None)
+}
+
+/// The same for some faces.
+pub(super) fn check_faces(accel: &Accel, camera: &Camera, cull: Cull) -> (usize, CastCounts) {
     let lattice = camera.whole().lattice();
     let mut primitives = Vec::new();
-    let counts = accel.find_closest(&lattice, Cull::None, Precision::Exact, &mut primitives);
+    let counts = accel.find_closest(&lattice, cull, Precision::Exact, &mut primitives);
     for (at, &primitive) in primitives.iter().enumerate() {
         let ray = lattice.ray(at as u32 % lattice.columns, at as u32 / lattice.columns);
-        let truth = accel.cast_primitive(&ray, Cull::None, Precision::Exact);
+        let truth = accel.cast_primitive(&ray, cull, Precision::Exact);
         assert_eq!(primitive, truth.primitive, "{ray:?}");
     }
     let hits = primitives.iter().filter(|&&primitive| primitive != MISS);

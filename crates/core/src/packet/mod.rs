@@ -36,6 +36,10 @@
 //! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds include how far the picture's
 //! own rays are from that lattice's.
 //!
+//! From far away, rays are closer together than their roundings, and corners relative to their eye are rounded by more
+//! than triangles' sizes. Such lattices (`cast::far`) are seen from an eye close to the scene (`places::near_eye`), which
+//! their rays pass at places of their own.
+//!
 //! Where surfaces are translucent, all hits of a ray count: `multi_hit` gathers them from the same traversal
 //! (`traversal::gather`) in a `hit_buffer`, and orders them ray by ray.
 //!

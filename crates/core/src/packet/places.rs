@@ -36,6 +36,7 @@
 
 mod bounds;
 mod directions;
+mod near_eye;
 
 use super::frustum::Window;
 use super::params::{CELLS, RAYS, ROW, SIDE};
@@ -49,6 +50,7 @@ use crate::num::simd::{LANES, Lanes};
 pub(super) use bounds::first_of;
 use bounds::{CellCentres, PlaceBoxes};
 use glam::DVec3;
+pub(super) use near_eye::NearEye;
 
 /// Cells in a packet.
 pub(super) const ALL_CELLS: usize = CELLS * CELLS;

@@ -104,6 +104,8 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     lattice: &'a Lattice,
     /// Whether the rays are those of a cube's face, which differ from the lattice's by up to [`TANGENT_ERROR`].
     pub(super) has_ray_error: bool,
+    /// How packets see the scene.
+    projection: Projection,
     eye: DVec3,
     eye_error: f64,
     /// Bound on how far parallel rays start from their places on the image plane.
@@ -140,6 +142,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             clip,
             lattice,
             has_ray_error: false,
+            projection: lattice.camera.projection(),
             eye,
             eye_error,
             start_error: start_error(&lattice.camera, eye),
@@ -154,6 +157,13 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             reference: DepthReference::NONE,
             counts: CastCounts::default(),
         }
+    }
+
+    /// Sees the scene in perspective from another point than the lattice's eye, which packets' rays pass (`cast/far`).
+    pub(super) fn see_from(&mut self, eye: DVec3) {
+        self.projection = Projection::Perspective;
+        self.eye = eye;
+        self.eye_error = 0.0;
     }
 
     /// The window of the image plane that a rectangle's rays go through.
@@ -493,7 +503,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
 
     /// Bounds of the relative depth keys where rays start; infinite for perspective packets.
     fn start_keys(&self) -> [f32; 2] {
-        match self.lattice.camera.projection() {
+        match self.projection {
             Projection::Perspective | Projection::Panoramic(_) => [f32::INFINITY; 2],
             // Orthographic rays start at the image plane, where the negated depth is zero.
             Projection::Orthographic => self.reference.relative_zero(),
@@ -517,8 +527,8 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     /// is the packet's. False where it is used already, or would not help.
     #[inline(never)]
     fn shorten_unit(&mut self, view: &Camera) -> bool {
-        let is_useful = self.reference.is_in_scene_units()
-            && self.lattice.camera.projection() != Projection::Orthographic;
+        let is_useful =
+            self.reference.is_in_scene_units() && self.projection != Projection::Orthographic;
         if is_useful {
             let boxes = self.entry_points.iter().map(|entry| entry.1);
             self.reference = DepthReference::close(boxes, view, self.eye);
@@ -530,18 +540,16 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
     #[inline(always)]
     fn limits(&self, lanes: impl Lanes, occlusion: &impl Occlusion) -> DepthLimits {
         let (least, most) = occlusion.hi_z(lanes);
-        let projection = self.lattice.camera.projection();
         DepthLimits {
-            furthest: self.reference.furthest(projection, least),
-            nearest_cell: self.reference.furthest(projection, most),
+            furthest: self.reference.furthest(self.projection, least),
+            nearest_cell: self.reference.furthest(self.projection, most),
         }
     }
 
     /// An upper bound of the relative depth key of a box that begins at `near` along the view axis.
     #[inline(always)]
     fn depth_key(&self, near: f32) -> f32 {
-        let projection = self.lattice.camera.projection();
-        self.reference.key_of_box(projection, near)
+        self.reference.key_of_box(self.projection, near)
     }
 }
 

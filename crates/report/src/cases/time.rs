@@ -7,7 +7,7 @@ use super::{Case, CaseTheme, Setting};
 use crate::cameras::PROJECTIONS;
 pub use scenes::{ScenePair, SceneView};
 use scenes::{
-    between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
+    between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents, far_fan,
     far_vertex, inside_needle, integer_plane, mesh_copies, next_to_discs, next_to_fan,
     next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers, next_to_vertex,
     one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex,
@@ -45,8 +45,8 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("thin_boxes_behind_one_another", thin_boxes),
     // Single precision does not tell the front from the back: each ray decides between the two.
     timed("tiny_and_far", tiny_and_far),
-    // Rays are rounded by more than their distance from each other: each is cast alone.
     timed("rays_closer_than_roundings", closer_than_roundings),
+    timed("triangles_about_a_corner_from_far_away", far_fan),
     timed("layers_in_one_plane", one_plane),
     timed("layers_a_rounding_apart", rounded_layers),
     timed("layers_apart_by_subnormal_numbers", subnormal_layers),
@@ -157,6 +157,12 @@ pub(super) const CASES: &[Case] = &[
         closer_than_roundings,
         (24, 18),
         "A sphere some 1e-15 of its distance across: rays' directions are rounded by more than they differ."
+    ),
+    case!(
+        "triangles_about_a_corner_from_far_away",
+        far_fan,
+        (24, 18),
+        "6,000 large triangles about a corner, from 1e13 of their lengths away: cast alone, a ray meets most of them."
     ),
     case!(
         "layers_in_one_plane",

@@ -224,6 +224,23 @@ pub(super) fn closer_than_roundings() -> ScenePair {
     distant_sphere(2e-15)
 }
 
+/// Large triangles about a corner, from 1e13 of their lengths away and next to them.
+pub(super) fn far_fan() -> ScenePair {
+    let mut random = Random::new(445);
+    let mut corner = || random.in_cube();
+    let fan: Vec<_> = (0..6000)
+        .map(|_| [DVec3::ZERO, corner(), corner()])
+        .collect();
+    let view_from = |eye: DVec3| SceneView {
+        scene: single_mesh(soup(&fan)),
+        view: (eye, DVec3::ZERO, 2.0),
+    };
+    ScenePair {
+        hostile: view_from(DVec3::new(1.0, 2.0, 4.0) * 4e12),
+        ordinary: view_from(DVec3::new(1.0, 2.0, 4.0)),
+    }
+}
+
 /// Triangles of one plane that no axis lies in, around its middle.
 pub(super) fn one_plane() -> ScenePair {
     let mut random = Random::new(440);

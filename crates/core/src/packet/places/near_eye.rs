@@ -1,0 +1,233 @@
+//! Places of rays from far away, as they pass an eye close to the scene.
+//!
+//! From far away rays are closer together than roundings of their directions, or of their origins, and corners relative to
+//! their eye are rounded by more than triangles' sizes. But close to the scene each ray is known
+//! (`triangle/close_start`), and next to parallel to all others. So a packet sees the scene from a **near eye**, at
+//! [`DISTANCE`] lengths of the scene; a ray's place is where it passes the scene, seen from there.
+//!
+//! # Error bound
+//! With P the point of a ray close to the scene, v = P − N its direction from the near eye N, f its part along the view
+//! axis, and t the tangents of v, its place: a hit at a depth w behind P is seen in direction (f·t + w·t′)/(f + w), where t′
+//! are the tangents of the ray's own direction. That is w·(t′ − t)/(f + w) beside the place. All of the scene is within √3/2 of
+//! its length L from its centre, and P is the ray's point closest to that, so that no hit is further from P: |w| <
+//! [`DEEPEST`]·L, with room for how far P is from that point (`CLOSE` in `close_start`) and for axes that are not
+//! perpendicular. P is off by e a coordinate, which moves t by less than 4e/f as t is below one (untested, because
+//! dominated). These are how far off places are beside ([`Places`]). v is rounded by ε|v|, and the map's rows, products and
+//! quotients by less than sixty more: a thirtieth of [`PLACE_ERROR`](super::PLACE_ERROR).
+//!
+//! # What holds for the rays
+//! A ray that hits a triangle is within this of the one from N to the hit. Where all rays from N that are this close to a
+//! ray's place hit a triangle, the ray hits it, and crosses its plane the way they do: on its way through the scene it is
+//! seen in these directions, first before the triangle and in the end behind it. So orders by the planes of sure hits, the
+//! only ones asked for (`plane_order`), are its own; and hits along it are in the order of their depths. But it may see
+//! another side than N does of a triangle that it does not surely hit.
+
+use super::{Fit, MOST_TANGENT, Places, extremes, fill};
+use crate::bvh::Accel;
+use crate::camera::{Camera, Projection};
+use crate::num::choice::greater;
+use crate::num::simd::Lanes;
+use crate::packet::frustum::Window;
+use crate::packet::params::SIDE;
+use crate::ray::relative_origin;
+use crate::triangle::PreparedRay;
+use glam::DVec3;
+
+/// The distance of the scene from an eye, in its lengths, from which on packets see it from a near eye: 2²⁸. Where a
+/// thousand rays pass the scene in a row, their roundings are an eightieth of a column here, and edge functions' errors a
+/// tenth. From nearer, packets of the lattice itself decide nearly all rays, and need not compute each of them.
+const FAR: f64 = (1u64 << 28) as f64;
+
+/// The distance of the near eye from the scene, in its lengths: 2²¹. With a greater one errors of places grow, and with
+/// them those of edge functions; with a lesser one those of next to parallel rays, seen from one point. Both are 2⁻²¹ of
+/// the columns that the scene takes up.
+const DISTANCE: f64 = (1u64 << 21) as f64;
+
+/// More than a hit's depth behind the point of a ray that is closest to the scene's centre, in lengths of the scene: √3/2,
+/// and a thirtieth of it.
+const DEEPEST: f64 = 0.9;
+
+/// The least extent of a packet's places, in lengths of the scene: 2⁻¹⁰. Rays that are closer are one except for rounding;
+/// with a lesser extent, errors of edge functions would be more than a hundredth of a column.
+const LEAST_EXTENT: f64 = 1.0 / (1u64 << 10) as f64;
+
+/// An eye close to a scene, in front of it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::packet) struct NearEye {
+    /// Relative to the point that corners are relative to; exact, as any point would be correct.
+    pub(in crate::packet) eye: DVec3,
+    /// L.
+    length: f64,
+    /// The rows of the map from world space to the camera's axes, which need not be perpendicular except for rounding.
+    map: [DVec3; 3],
+}
+
+impl NearEye {
+    /// One for a camera that sees the scene from [`FAR`] away; `None` for others.
+    pub(in crate::packet) fn of(accel: &Accel, camera: &Camera) -> Option<Self> {
+        let bounds = accel.tree.bounds.corners();
+        let (eye, _) = relative_origin(camera.pose().eye, accel.origin);
+        Self::before(bounds, eye, camera)
+    }
+
+    /// One before a box, for a camera whose eye relative to the box's frame is this.
+    fn before([min, max]: [DVec3; 2], eye: DVec3, camera: &Camera) -> Option<Self> {
+        let is_flat = match camera.projection() {
+            Projection::Perspective | Projection::Orthographic => true,
+            Projection::Panoramic(_) => false,
+        };
+        let length = (max - min).max_element();
+        let centre = (min + max) * 0.5;
+        let to_scene = centre - eye;
+        let depth = to_scene.dot(camera.forward());
+        // Numbers are no NaN: a camera's are finite, as corners are. Twice as far aside as in front, and a packet's rays are
+        // oblique to its axis.
+        let is_far = depth > FAR * length && depth > 0.5 * to_scene.length() && length > 0.0;
+        let axes @ [right, up, forward] = [camera.right(), camera.up(), camera.forward()];
+        let volume = right.dot(up.cross(forward));
+        (is_flat && is_far).then(|| Self {
+            eye: centre - forward * (DISTANCE * length),
+            length,
+            map: [0, 1, 2].map(|axis| axes[(axis + 1) % 3].cross(axes[(axis + 2) % 3]) / volume),
+        })
+    }
+
+    /// The tangents of a ray's direction from here, and how far off they are.
+    fn place(&self, ray: &PreparedRay) -> Option<[f64; 3]> {
+        ray.skipped?;
+        let [right, up, forward] = self.map.map(|row| row.dot(ray.start - self.eye));
+        let [to_right, to_up, along] = self.map.map(|row| row.dot(ray.ray.direction));
+        let place = [right / forward, up / forward];
+        let turned = [to_right / along - place[0], to_up / along - place[1]];
+        let depth = DEEPEST * self.length;
+        let aside = depth * greater(turned[0].abs(), turned[1].abs()) / (forward - depth);
+        let off = aside + 4.0 * ray.start_error / forward;
+        // NaN fails the comparison.
+        (forward > 2.0 * depth && along > 0.0).then_some([place[0], place[1], off])
+    }
+}
+
+impl Places {
+    /// Computes the places of a packet of at most [`SIDE`] × [`SIDE`] rays as they pass a near eye. `ray` gives them by
+    /// column and row.
+    #[inline(always)]
+    pub(in crate::packet) fn find_from_near(
+        &mut self,
+        lanes: impl Lanes,
+        (camera, near): (&Camera, &NearEye),
+        (columns, rows): (u32, u32),
+        ray: impl Fn(u32, u32) -> Option<PreparedRay>,
+    ) -> Fit {
+        (self.columns, self.rows_of_rays) = (columns, rows);
+        self.beside = 0.0;
+        self.has_ray = [0; SIDE];
+        for row in 0..rows.min(SIDE as u32) {
+            self.has_ray[row as usize] = u32::MAX >> (SIDE as u32 - columns.clamp(1, SIDE as u32));
+            for column in 0..columns.min(SIDE as u32) {
+                let place = ray(column, row).and_then(|ray| near.place(&ray));
+                let Some([across, along, beside]) = place else {
+                    return Fit::Wide;
+                };
+                let at = row as usize * SIDE + column as usize;
+                (self.directions[0][at], self.directions[1][at]) = (across, along);
+                self.beside = greater(beside, self.beside);
+            }
+        }
+        let [x, y, _] = &mut self.directions;
+        fill(&self.has_ray, 0, [x, y]);
+        let (across, along) = (extremes(x), extremes(y));
+        let furthest = greater(greater(-across.0, across.1), greater(-along.0, along.1));
+        if furthest > MOST_TANGENT {
+            return Fit::Wide;
+        }
+        self.view = camera.unit_perspective();
+        let extent = greater(across.1 - across.0, along.1 - along.0);
+        let lacking = greater(LEAST_EXTENT / DISTANCE - extent, 0.0);
+        self.window = Window { across, along }.grown(0.5 * lacking);
+        self.place();
+        self.bound(lanes);
+        Fit::Packet
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{ImagePlane, Pose};
+    use crate::hit::{Cull, Precision};
+    use crate::num::double_double::DoubleDouble;
+    use crate::random::Random;
+
+    /// Points of rays within the scene's box, in double-double arithmetic, seen from the near eye. With the error at zero
+    /// this fails, and with axes of the camera that are taken to be perpendicular.
+    #[test]
+    fn rays_pass_the_scene_at_their_places() {
+        let mut random = Random(95);
+        let mut most = 0.0f64;
+        for round in 0..2000 {
+            let length = random.decades(-20.0, 20.0);
+            let half = DVec3::splat(length * 0.5);
+            let centre = random.point() * length;
+            let bounds = [centre - half, centre + half];
+            let towards = random.point().normalize();
+            let away = length * random.decades(8.6, 16.0);
+            let eye = centre + random.point() * length - towards * away;
+            // Next to the view axis, so that the camera's axes are not perpendicular within a few roundings.
+            let up = match round % 2 {
+                0 => towards + random.point() * 1e-7,
+                _ => random.point(),
+            };
+            let pose = Pose {
+                eye,
+                target: eye + towards * away,
+                up,
+            };
+            let projection = [Projection::Perspective, Projection::Orthographic][round / 2 % 2];
+            let plane = ImagePlane::new(32, 32, length / 16.0).expect("a good plane");
+            let camera = Camera::new(pose, projection, plane);
+            let near = NearEye::before(bounds, eye, &camera).expect("a scene far away");
+            let (x, y) = (random.unit() * 32.0, random.unit() * 32.0);
+            let ray = camera.ray(x, y);
+            let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact)
+                .expect("a valid ray")
+                .close_to(bounds);
+            let Some([across, along, off]) = near.place(&prepared) else {
+                panic!("{prepared:?}");
+            };
+            let closest = prepared.skipped.expect("a start close to the scene");
+            let parameter = closest + (random.signed() * 0.87 * length).into();
+            let at = [0, 1, 2].map(|axis| {
+                let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+                DoubleDouble::from(origin) + parameter * direction.into()
+            });
+            let point = DVec3::from(at.map(|at| at.high));
+            if (point - centre).abs().max_element() > length * 0.5 {
+                continue;
+            }
+            let rows = [camera.right(), camera.up(), camera.forward()];
+            let seen = at.map(|at| at.high);
+            let seen = [0, 1, 2].map(|axis| {
+                let rest = DoubleDouble::from(seen[axis]) - near.eye[axis].into();
+                rest + at[axis].low.into()
+            });
+            let [right, up, forward] = coordinates(rows, seen);
+            for (place, part) in [(across, right), (along, up)] {
+                let rest = (part - forward * place.into()).high / forward.high;
+                let rounding = 64.0 * f64::EPSILON;
+                assert!(rest.abs() <= off + rounding, "{rest} {off} {prepared:?}");
+                most = most.max((rest.abs() - rounding) / off);
+            }
+        }
+        assert!(most > 0.4, "{most}");
+    }
+
+    /// A vector in terms of three others, but for a factor: by Cramer's rule.
+    fn coordinates([a, b, c]: [DVec3; 3], v: [DoubleDouble; 3]) -> [DoubleDouble; 3] {
+        let product = |p: f64, q: f64| DoubleDouble::from(p) * q.into();
+        let dot = |p: DVec3, q: DVec3| {
+            let minor = |i: usize, j: usize| product(p[i], q[j]) - product(p[j], q[i]);
+            v[0] * minor(1, 2) + v[1] * minor(2, 0) + v[2] * minor(0, 1)
+        };
+        [dot(b, c), dot(c, a), dot(a, b)]
+    }
+}
