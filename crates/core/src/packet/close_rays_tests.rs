@@ -8,9 +8,9 @@ use crate::hit::{Cull, Precision};
 use crate::random::Random;
 use glam::DVec3;
 
-/// Triangles of some 1e-15 of their distance, without their backs: no packet of the lattice sees their edges, so it leaves
-/// all its rays to be cast one by one after the first of them. Half of the rays are the same as a neighbour, whose answer
-/// they have. With their backs packets see them from close to them.
+/// Triangles of some 1e-15 of their distance, without their backs: no packet of the lattice sees their edges, so it
+/// leaves all its rays to be cast one by one after the first of them. Half of the rays are the same as a neighbour,
+/// whose answer they have. With their backs packets see them from close to them.
 #[test]
 fn the_same_rays_of_packets_that_see_no_edges_are_cast_once() {
     let mut random = Random(101);

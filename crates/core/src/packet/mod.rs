@@ -37,8 +37,8 @@
 //! own rays are from that lattice's.
 //!
 //! From far away, rays are closer together than their roundings, and corners relative to their eye are rounded by more
-//! than triangles' sizes. Such lattices (`cast::far`) are seen from an eye close to the scene (`places::near_eye`), which
-//! their rays pass at places of their own.
+//! than triangles' sizes. Packets of such lattices (`cast::far`) see the scene from an eye close to it
+//! (`places::near_eye`), which their rays pass at places of their own.
 //!
 //! Where surfaces are translucent, all hits of a ray count: `multi_hit` gathers them from the same traversal
 //! (`traversal::gather`) in a `hit_buffer`, and orders them ray by ray.

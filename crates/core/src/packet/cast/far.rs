@@ -17,8 +17,8 @@ const WHOLE_SCENE: Window = Window {
 };
 
 impl<'a> Find<'a> {
-    /// Whether packets may see the scene from another eye than their rays': which side of a triangle a ray sees, and where
-    /// a clipping plane cuts it, would be those seen from there.
+    /// Whether packets may see the scene from another eye than their rays': which side of a triangle a ray sees, and
+    /// where a clipping plane cuts it, would be those seen from there.
     pub(super) fn may_see_from_near(&self) -> bool {
         self.precision == Precision::Exact && self.cull == Cull::None && self.clip.is_empty()
     }

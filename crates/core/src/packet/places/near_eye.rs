@@ -1,26 +1,26 @@
 //! Places of rays from far away, as they pass an eye close to the scene.
 //!
-//! From far away rays are closer together than roundings of their directions, or of their origins, and corners relative to
-//! their eye are rounded by more than triangles' sizes. But close to the scene each ray is known
+//! From far away rays are closer together than roundings of their directions, or of their origins, and corners
+//! relative to their eye are rounded by more than triangles' sizes. But close to the scene each ray is known
 //! (`triangle/close_start`), and next to parallel to all others. So a packet sees the scene from a **near eye**, at
 //! [`DISTANCE`] lengths of the scene; a ray's place is where it passes the scene, seen from there.
 //!
 //! # Error bound
-//! With P the point of a ray close to the scene, v = P − N its direction from the near eye N, f its part along the view
-//! axis, and t the tangents of v, its place: a hit at a depth w behind P is seen in direction (f·t + w·t′)/(f + w), where t′
-//! are the tangents of the ray's own direction. That is w·(t′ − t)/(f + w) beside the place. All of the scene is within √3/2 of
-//! its length L from its centre, and P is the ray's point closest to that, so that no hit is further from P: |w| <
-//! [`DEEPEST`]·L, with room for how far P is from that point (`CLOSE` in `close_start`) and for axes that are not
-//! perpendicular. P is off by e a coordinate, which moves t by less than 4e/f as t is below one (untested, because
-//! dominated). These are how far off places are beside ([`Places`]). v is rounded by ε|v|, and the map's rows, products and
-//! quotients by less than sixty more: a thirtieth of [`PLACE_ERROR`](super::PLACE_ERROR).
+//! With P the point of a ray close to the scene, v = P − N its direction from the near eye N, f its part along the
+//! view axis, and t the tangents of v, its place: a hit at a depth w behind P is seen in direction (f·t + w·t′)/(f +
+//! w), where t′ are the tangents of the ray's own direction. That is w·(t′ − t)/(f + w) beside the place. All of the
+//! scene is within √3/2 of its length L from its centre, and P is the ray's point closest to that, so that no hit is
+//! further from P: |w| < [`DEEPEST`]·L, with room for how far P is from that point (`CLOSE` in `close_start`) and for
+//! axes that are not perpendicular. P is off by e a coordinate, which moves t by less than 4e/f as t is below one
+//! (untested, because dominated). These are how far off places are beside ([`Places`]). v is rounded by ε|v|, and the
+//! map's rows, products and quotients by less than sixty more: a thirtieth of [`PLACE_ERROR`](super::PLACE_ERROR).
 //!
 //! # What holds for the rays
-//! A ray that hits a triangle is within this of the one from N to the hit. Where all rays from N that are this close to a
-//! ray's place hit a triangle, the ray hits it, and crosses its plane the way they do: on its way through the scene it is
-//! seen in these directions, first before the triangle and in the end behind it. So orders by the planes of sure hits, the
-//! only ones asked for (`plane_order`), are its own; and hits along it are in the order of their depths. But it may see
-//! another side than N does of a triangle that it does not surely hit.
+//! A ray that hits a triangle is within this of the one from N to the hit. Where all rays from N that are this close
+//! to a ray's place hit a triangle, the ray hits it, and crosses its plane the way they do: on its way through the
+//! scene it is seen in these directions, first before the triangle and in the end behind it. So orders by the planes
+//! of sure hits, the only ones asked for (`plane_order`), are its own; and hits along it are in the order of their
+//! depths. But it may see another side than N does of a triangle that it does not surely hit.
 
 use super::{Fit, MOST_TANGENT, Places, extremes, fill};
 use crate::bvh::Accel;
@@ -34,21 +34,22 @@ use crate::triangle::PreparedRay;
 use glam::DVec3;
 
 /// The distance of the scene from an eye, in its lengths, from which on packets see it from a near eye: 2²⁸. Where a
-/// thousand rays pass the scene in a row, their roundings are an eightieth of a column here, and edge functions' errors a
-/// tenth. From nearer, packets of the lattice itself decide nearly all rays, and need not compute each of them.
+/// thousand rays pass the scene in a row, their roundings are a thousandth of a column here, and edge functions'
+/// errors a hundredth. From nearer, packets of the lattice itself decide nearly all rays, and need not compute each
+/// of them.
 const FAR: f64 = (1u64 << 28) as f64;
 
-/// The distance of the near eye from the scene, in its lengths: 2²¹. With a greater one errors of places grow, and with
-/// them those of edge functions; with a lesser one those of next to parallel rays, seen from one point. Both are 2⁻²¹ of
-/// the columns that the scene takes up.
+/// The distance of the near eye from the scene, in its lengths: 2²¹. With a greater one errors of places grow, and
+/// with them those of edge functions; with a lesser one those of next to parallel rays, seen from one point. Both are
+/// 2⁻²¹ of the columns that the scene takes up.
 const DISTANCE: f64 = (1u64 << 21) as f64;
 
-/// More than a hit's depth behind the point of a ray that is closest to the scene's centre, in lengths of the scene: √3/2,
-/// and a thirtieth of it.
+/// More than a hit's depth behind the point of a ray that is closest to the scene's centre, in lengths of the scene:
+/// √3/2, and a thirtieth of it.
 const DEEPEST: f64 = 0.9;
 
-/// The least extent of a packet's places, in lengths of the scene: 2⁻¹⁰. Rays that are closer are one except for rounding;
-/// with a lesser extent, errors of edge functions would be more than a hundredth of a column.
+/// The least extent of a packet's places, in lengths of the scene: 2⁻¹⁰. Rays that are closer are one except for
+/// rounding; with a lesser extent, places would be off by more than a sixtieth of a column.
 const LEAST_EXTENT: f64 = 1.0 / (1u64 << 10) as f64;
 
 /// An eye close to a scene, in front of it.
@@ -80,8 +81,8 @@ impl NearEye {
         let centre = (min + max) * 0.5;
         let to_scene = centre - eye;
         let depth = to_scene.dot(camera.forward());
-        // Numbers are no NaN: a camera's are finite, as corners are. Twice as far aside as in front, and a packet's rays are
-        // oblique to its axis.
+        // Numbers are no NaN: a camera's are finite, as corners are. Twice as far aside as in front, and a packet's
+        // rays are oblique to its axis.
         let is_far = depth > FAR * length && depth > 0.5 * to_scene.length() && length > 0.0;
         let axes @ [right, up, forward] = [camera.right(), camera.up(), camera.forward()];
         let volume = right.dot(up.cross(forward));
@@ -158,8 +159,8 @@ mod tests {
     use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
 
-    /// Points of rays within the scene's box, in double-double arithmetic, seen from the near eye. With the error at zero
-    /// this fails, and with axes of the camera that are taken to be perpendicular.
+    /// Points of rays within the scene's box, in double-double arithmetic, seen from the near eye. With the error at
+    /// zero this fails, and with axes of the camera that are taken to be perpendicular.
     #[test]
     fn rays_pass_the_scene_at_their_places() {
         let mut random = Random(95);
