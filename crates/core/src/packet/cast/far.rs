@@ -57,12 +57,16 @@ impl Work for FindFar<'_, '_> {
             }
             rest.extend(large.split(SIDE as u32));
             while let Some(packet) = rest.pop() {
-                let ray = |column, row| {
-                    let ray = (find.lattice).ray(packet.column + column, packet.row + row);
-                    find.accel.prepare(&ray, find.cull, find.precision)
-                };
+                let ray =
+                    |column, row| (find.lattice).ray(packet.column + column, packet.row + row);
                 let size = (packet.columns, packet.rows);
-                match places.find_from_near(lanes, (camera, &near), size, ray) {
+                let middle = ray(packet.columns / 2, packet.rows / 2);
+                let known = (find.accel).prepare(&middle, find.cull, find.precision);
+                let fit = match known.and_then(|known| near.pass(&known)) {
+                    Some(known) => places.find_from_near(lanes, (camera, &near, &known), size, ray),
+                    None => Fit::Wide,
+                };
+                match fit {
                     Fit::Empty => {}
                     Fit::Wide if packet.columns.max(packet.rows) > ROW as u32 => {
                         let half = packet.columns.max(packet.rows).div_ceil(2);

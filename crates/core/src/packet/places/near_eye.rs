@@ -6,14 +6,20 @@
 //! [`DISTANCE`] lengths of the scene; a ray's place is where it passes the scene, seen from there.
 //!
 //! # Error bound
-//! With P the point of a ray close to the scene, v = P − N its direction from the near eye N, f its part along the
-//! view axis, and t the tangents of v, its place: a hit at a depth w behind P is seen in direction (f·t + w·t′)/(f +
-//! w), where t′ are the tangents of the ray's own direction. That is w·(t′ − t)/(f + w) beside the place. All of the
-//! scene is within √3/2 of its length L from its centre, and P is the ray's point closest to that, so that no hit is
-//! further from P: |w| < [`DEEPEST`]·L, with room for how far P is from that point (`CLOSE` in `close_start`) and for
-//! axes that are not perpendicular. P is off by e a coordinate, which moves t by less than 4e/f as t is below one
-//! (untested, because dominated). These are how far off places are beside ([`Places`]). v is rounded by ε|v|, and the
-//! map's rows, products and quotients by less than sixty more: a thirtieth of [`PLACE_ERROR`](super::PLACE_ERROR).
+//! One ray of a packet is followed to a point P₀ close to the scene, in double-double arithmetic. Other rays pass the
+//! plane through P₀ square to the view axis: from the same eye at P₀ + s₀/a·(a₀δ − (x·δ)d₀), with d₀ the known ray's
+//! direction, d₀ + δ the other's, s₀ the parameter of P₀, x the row of the map to the view axis, and a₀ and a their
+//! products with both directions; along the same direction, from an origin moved by m, at P₀ + m − (x·m)d₀/a₀.
+//! Differences of neighbours are rounded by ε of themselves at most, and all other operations are no more than
+//! thirty: P is off by P₀'s error and 32ε(|s₀||δ| + |m|)/a a coordinate.
+//!
+//! With v = P − N a ray's direction from the near eye N, f its part along the view axis, and t the tangents of v, its
+//! place: a hit at a depth w behind P is seen in direction (f·t + w·t′)/(f + w), where t′ are the tangents of the ray's
+//! own direction. That is w·(t′ − t)/(f + w) beside the place. All of the scene is within √3/2 of its length L from its
+//! centre: |w| < [`DEEPEST`]·L, and the depth of P₀ from the centre. Where P is off by e a coordinate, t moves by less
+//! than 4e/f, as it is below one (untested, because dominated). These are how far off places are beside ([`Places`]). v
+//! is rounded by ε|v|, and the map's rows, products and quotients by less than sixty more: a thirtieth of
+//! [`PLACE_ERROR`](super::PLACE_ERROR).
 //!
 //! # What holds for the rays
 //! A ray that hits a triangle is within this of the one from N to the hit. Where all rays from N that are this close
@@ -26,10 +32,11 @@ use super::{Fit, MOST_TANGENT, Places, extremes, fill};
 use crate::bvh::Accel;
 use crate::camera::{Camera, Projection};
 use crate::num::choice::greater;
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::Lanes;
 use crate::packet::frustum::Window;
 use crate::packet::params::SIDE;
-use crate::ray::relative_origin;
+use crate::ray::{Ray, relative_origin};
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
@@ -44,8 +51,8 @@ const FAR: f64 = (1u64 << 28) as f64;
 /// 2⁻²¹ of the columns that the scene takes up.
 const DISTANCE: f64 = (1u64 << 21) as f64;
 
-/// More than a hit's depth behind the point of a ray that is closest to the scene's centre, in lengths of the scene:
-/// √3/2, and a thirtieth of it.
+/// More than the distance of a point of the scene from its centre, in lengths of the scene: √3/2, and a thirtieth of it
+/// for roundings and for axes that are not perpendicular.
 const DEEPEST: f64 = 0.9;
 
 /// The least extent of a packet's places, in lengths of the scene: 2⁻¹⁰. Rays that are closer are one except for
@@ -93,31 +100,79 @@ impl NearEye {
         })
     }
 
-    /// The tangents of a ray's direction from here, and how far off they are.
-    fn place(&self, ray: &PreparedRay) -> Option<[f64; 3]> {
-        ray.skipped?;
-        let [right, up, forward] = self.map.map(|row| row.dot(ray.start - self.eye));
-        let [to_right, to_up, along] = self.map.map(|row| row.dot(ray.ray.direction));
+    /// What is known of a ray close to the scene; `None` where it is not followed from there.
+    pub(in crate::packet) fn pass(&self, ray: &PreparedRay) -> Option<PassingRay> {
+        let from_eye = ray.start - self.eye;
+        let axis = self.map[2];
+        Some(PassingRay {
+            ray: ray.ray,
+            parameter: ray.skipped?.high,
+            along: axis.dot(ray.ray.direction),
+            from_eye,
+            error: ray.start_error,
+            depth: DEEPEST * self.length + (axis.dot(from_eye) - DISTANCE * self.length).abs(),
+        })
+    }
+
+    /// The tangents of a ray's place, and how far off they are, which is infinite where nothing is known. `known` is a
+    /// ray from the same eye or of the same direction.
+    #[inline(always)]
+    fn place(&self, known: &PassingRay, ray: &Ray) -> [f64; 3] {
+        let axis = self.map[2];
+        let PassingRay {
+            ray: other,
+            parameter,
+            depth,
+            ..
+        } = *known;
+        let turned = ray.direction - other.direction;
+        let moved = ray.origin - other.origin;
+        let along = axis.dot(ray.direction);
+        let by_turning = turned * known.along - other.direction * axis.dot(turned);
+        let by_moving = moved - other.direction * (axis.dot(moved) / known.along);
+        let point = known.from_eye + by_turning * (parameter / along) + by_moving;
+        let [right, up, forward] = self.map.map(|row| row.dot(point));
         let place = [right / forward, up / forward];
-        let turned = [to_right / along - place[0], to_up / along - place[1]];
-        let depth = DEEPEST * self.length;
-        let aside = depth * greater(turned[0].abs(), turned[1].abs()) / (forward - depth);
-        let off = aside + 4.0 * ray.start_error / forward;
-        // NaN fails the comparison.
-        (forward > 2.0 * depth && along > 0.0).then_some([place[0], place[1], off])
+        let slope =
+            |row: usize, place: f64| (self.map[row].dot(ray.direction) / along - place).abs();
+        let slope = greater(slope(0, place[0]), slope(1, place[1]));
+        let reach = turned.abs().max_element() * parameter.abs() + moved.abs().max_element();
+        let error = known.error + 32.0 * EPSILON * reach / along;
+        let off = depth * slope / (forward - depth) + 4.0 * error / forward;
+        let is_known = (forward > 2.0 * depth) & (along > 0.0);
+        [
+            place[0],
+            place[1],
+            if is_known { off } else { f64::INFINITY },
+        ]
     }
 }
 
+/// A ray as it passes a near eye.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::packet) struct PassingRay {
+    ray: Ray,
+    /// Its parameter at a point close to the scene.
+    parameter: f64,
+    /// Its direction along the view axis.
+    along: f64,
+    /// From the near eye to that point, off by at most `error` a coordinate.
+    from_eye: DVec3,
+    error: f64,
+    /// The greatest depth of the scene before or behind that point.
+    depth: f64,
+}
+
 impl Places {
-    /// Computes the places of a packet of at most [`SIDE`] × [`SIDE`] rays as they pass a near eye. `ray` gives them by
-    /// column and row.
+    /// Computes the places of a packet of at most [`SIDE`] × [`SIDE`] rays as they pass a near eye. `known` is one of
+    /// them; `ray` gives all, by column and row.
     #[inline(always)]
     pub(in crate::packet) fn find_from_near(
         &mut self,
         lanes: impl Lanes,
-        (camera, near): (&Camera, &NearEye),
+        (camera, near, known): (&Camera, &NearEye, &PassingRay),
         (columns, rows): (u32, u32),
-        ray: impl Fn(u32, u32) -> Option<PreparedRay>,
+        ray: impl Fn(u32, u32) -> Ray,
     ) -> Fit {
         (self.columns, self.rows_of_rays) = (columns, rows);
         self.beside = 0.0;
@@ -125,14 +180,14 @@ impl Places {
         for row in 0..rows.min(SIDE as u32) {
             self.has_ray[row as usize] = u32::MAX >> (SIDE as u32 - columns.clamp(1, SIDE as u32));
             for column in 0..columns.min(SIDE as u32) {
-                let place = ray(column, row).and_then(|ray| near.place(&ray));
-                let Some([across, along, beside]) = place else {
-                    return Fit::Wide;
-                };
+                let [across, along, beside] = near.place(known, &ray(column, row));
                 let at = row as usize * SIDE + column as usize;
                 (self.directions[0][at], self.directions[1][at]) = (across, along);
                 self.beside = greater(beside, self.beside);
             }
+        }
+        if self.beside == f64::INFINITY {
+            return Fit::Wide;
         }
         let [x, y, _] = &mut self.directions;
         fill(&self.has_ray, 0, [x, y]);
@@ -192,9 +247,12 @@ mod tests {
             let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact)
                 .expect("a valid ray")
                 .close_to(bounds);
-            let Some([across, along, off]) = near.place(&prepared) else {
-                panic!("{prepared:?}");
-            };
+            let (x, y) = (random.unit() * 32.0, random.unit() * 32.0);
+            let known =
+                PreparedRay::new(&camera.ray(x, y), DVec3::ZERO, Cull::None, Precision::Exact)
+                    .and_then(|ray| near.pass(&ray.close_to(bounds)))
+                    .expect("a ray from far away");
+            let [across, along, off] = near.place(&known, &ray);
             let closest = prepared.skipped.expect("a start close to the scene");
             let parameter = closest + (random.signed() * 0.87 * length).into();
             let at = [0, 1, 2].map(|axis| {
