@@ -16,7 +16,7 @@
 //! With v = P − N a ray's direction from the near eye N, f its part along the view axis, and t the tangents of v, its
 //! place: a hit at a depth w behind P is seen in direction (f·t + w·t′)/(f + w), where t′ are the tangents of the ray's
 //! own direction. That is w·(t′ − t)/(f + w) beside the place. All of the scene is within √3/2 of its length L from its
-//! centre: |w| < [`DEEPEST`]·L, and the depth of P₀ from the centre. Where P is off by e a coordinate, t moves by less
+//! centre: |w| < [`DEEPEST`]·L plus the depth of P₀ from it. Where P is off by e a coordinate, t moves by less
 //! than 4e/f, as it is below one (untested, because dominated). These are how far off places are beside ([`Places`]). v
 //! is rounded by ε|v|, and the map's rows, products and quotients by less than sixty more: a thirtieth of
 //! [`PLACE_ERROR`](super::PLACE_ERROR).
@@ -40,11 +40,10 @@ use crate::ray::{Ray, relative_origin};
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
-/// The distance of the scene from an eye, in its lengths, from which on packets see it from a near eye: 2²⁸. Where a
-/// thousand rays pass the scene in a row, their roundings are a thousandth of a column here, and edge functions'
-/// errors a hundredth. From nearer, packets of the lattice itself decide nearly all rays, and need not compute each
-/// of them.
-const FAR: f64 = (1u64 << 28) as f64;
+/// The distance of the scene from an eye, in columns of its rays, from which on packets see it from a near eye: 2⁴⁵.
+/// Rays' roundings are an eighth of a column here (32ε, see `setup`), and soon leave all rays undecided. From nearer,
+/// packets of the lattice itself decide most rays, and need not compute each of them.
+const FAR: f64 = (1u64 << 45) as f64;
 
 /// The distance of the near eye from the scene, in its lengths: 2²¹. With a greater one errors of places grow, and
 /// with them those of edge functions; with a lesser one those of next to parallel rays, seen from one point. Both are
@@ -71,7 +70,7 @@ pub(in crate::packet) struct NearEye {
 }
 
 impl NearEye {
-    /// One for a camera that sees the scene from [`FAR`] away; `None` for others.
+    /// One for a camera whose rays see the scene from [`FAR`] away; `None` for others.
     pub(in crate::packet) fn of(accel: &Accel, camera: &Camera) -> Option<Self> {
         let bounds = accel.tree.bounds.corners();
         let (eye, _) = relative_origin(camera.pose().eye, accel.origin);
@@ -80,20 +79,22 @@ impl NearEye {
 
     /// One before a box, for a camera whose eye relative to the box's frame is this.
     fn before([min, max]: [DVec3; 2], eye: DVec3, camera: &Camera) -> Option<Self> {
-        let is_flat = match camera.projection() {
-            Projection::Perspective | Projection::Orthographic => true,
-            Projection::Panoramic(_) => false,
-        };
         let length = (max - min).max_element();
         let centre = (min + max) * 0.5;
         let to_scene = centre - eye;
         let depth = to_scene.dot(camera.forward());
+        let distance = match camera.projection() {
+            Projection::Perspective => camera.distance(),
+            Projection::Orthographic => depth,
+            Projection::Panoramic(_) => return None,
+        };
+        let is_far = distance > FAR * camera.plane().step && depth > 2.0 * DISTANCE * length;
         // Numbers are no NaN: a camera's are finite, as corners are. Twice as far aside as in front, and a packet's
         // rays are oblique to its axis.
-        let is_far = depth > FAR * length && depth > 0.5 * to_scene.length() && length > 0.0;
+        let is_ahead = depth > 0.5 * to_scene.length();
         let axes @ [right, up, forward] = [camera.right(), camera.up(), camera.forward()];
         let volume = right.dot(up.cross(forward));
-        (is_flat && is_far).then(|| Self {
+        (is_far && is_ahead && length > 0.0).then(|| Self {
             eye: centre - forward * (DISTANCE * length),
             length,
             map: [0, 1, 2].map(|axis| axes[(axis + 1) % 3].cross(axes[(axis + 2) % 3]) / volume),
@@ -226,7 +227,7 @@ mod tests {
             let centre = random.point() * length;
             let bounds = [centre - half, centre + half];
             let towards = random.point().normalize();
-            let away = length * random.decades(8.6, 16.0);
+            let away = length * random.decades(12.4, 16.0);
             let eye = centre + random.point() * length - towards * away;
             // Next to the view axis, so that the camera's axes are not perpendicular within a few roundings.
             let up = match round % 2 {
