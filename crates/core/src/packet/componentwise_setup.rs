@@ -40,7 +40,9 @@
 //!
 //! Numbers that are zero or within 2^±200 keep products of four in double precision's range.
 
-use super::setup::{FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, TriangleSetup};
+use super::setup::{
+    FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, REACH, TriangleSetup,
+};
 use crate::hit::Cull;
 use crate::num::choice::greater;
 use crate::num::roundoff::EPSILON;
@@ -53,9 +55,10 @@ use glam::{DVec3, Vec3, Vec3Swizzles};
 /// The greatest magnitude of a number, and the reciprocal of the least one other than zero.
 const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 
-/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed again,
-/// unless rays' own roundings move the function by as much: the edge's line passes the eye as closely as roundings. With a
-/// lesser limit products are computed again that leave few rays undecided; with a greater one all rays of such an edge are.
+/// The error of an edge function, as a share of its greatest magnitude, from which on its cross product is computed
+/// again, unless rays' own roundings move the function by as much: the edge's line passes the eye as closely as
+/// roundings. With a lesser limit products are computed again that leave few rays undecided; with a greater one all
+/// rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
@@ -258,8 +261,8 @@ fn corners_in_lane([ax, ay, az, bx, by, bz, cx, cy, cz]: &CornerLanes, l: usize)
 }
 
 impl PacketSpace {
-    /// Stores a triangle's functions as those of lane `l`, if it is asked for. If no ray hits the triangle its ray bounds are
-    /// emptied.
+    /// Stores a triangle's functions as those of lane `l`, if it is asked for. If no ray hits the triangle its ray
+    /// bounds are emptied.
     #[inline(always)]
     fn store(&self, functions: &Functions, (l, is_asked): (usize, bool), out: &mut TriangleSetup) {
         let (facing, facing_error) = functions.facing;
@@ -297,7 +300,7 @@ impl PacketSpace {
             *edge_error
         };
 
-        let inverse = 1.0 / (facing * self.rays.distance * self.units);
+        let inverse = self.key_factor / (facing * self.rays.distance * self.units);
         let (numerator, numerator_error) = functions.numerator;
         let key = numerator.times(inverse).moved(&span);
         let greatest = key.size(&span);
@@ -325,8 +328,8 @@ impl PacketSpace {
         out.overflows |= is_asked & !culled & clear & is_sound & !is_in_range;
     }
 
-    /// Sets up lane `l` again, from closer factors where double precision does not suffice, and ends as soon as it is known
-    /// that no ray hits the triangle. Whether closer factors were needed.
+    /// Sets up lane `l` again, from closer factors where double precision does not suffice, and ends as soon as it is
+    /// known that no ray hits the triangle. Whether closer factors were needed.
     #[inline(always)]
     fn set_up_closely(&self, corners: [DVec3; 3], l: usize, out: &mut TriangleSetup) -> bool {
         let span = FunctionDomain::of(&out.boxes[l]);
@@ -346,15 +349,19 @@ impl PacketSpace {
         functions.are_rounded
     }
 
-    /// A triangle's edge functions over the whole packet, positive inside, each with the bound on its error. `None`
-    /// where it is not sure which side of the triangle the packet sees.
-    pub(super) fn edges_componentwise(&self, corners: [Vec3; 3]) -> Option<[(Linear, f64); 3]> {
+    /// A triangle's functions with componentwise bounds. `None` where it is not sure which side of the triangle the
+    /// packet sees.
+    pub(super) fn functions_componentwise(&self, corners: [Vec3; 3]) -> Option<PacketFunctions> {
         let Functions { facing, edges, .. } =
             self.functions_closely(corners.map(Vec3::as_dvec3), |_, _| false)?;
         let [e, f, g] = edges;
         let positive =
             |(function, error): (Linear, f64)| (function.times(facing.0.signum()), error);
-        is_clear(facing).then(|| [positive(e), positive(f), positive(g)])
+        let depth = self.rays.distance * self.units;
+        is_clear(facing).then(|| PacketFunctions {
+            edges: [positive(e), positive(f), positive(g)],
+            facing: (facing.0 * depth, facing.1 * depth),
+        })
     }
 
     /// Upper bounds of the components of i·a + j·b.
@@ -414,8 +421,8 @@ impl PacketSpace {
         (function, self.is_rounded(&product, function.0.reach()))
     }
 
-    /// Whether the error of a cross product, by which a perspective packet's edge function is off, exceeds both a share of the
-    /// function's greatest magnitude and what rays' own roundings move it by. NaN does.
+    /// Whether the error of a cross product, by which a perspective packet's edge function is off, exceeds both a share
+    /// of the function's greatest magnitude and what rays' own roundings move it by. NaN does.
     #[inline(always)]
     fn is_rounded(&self, product: &Bounded, reach: f64) -> bool {
         let error = product.error_by(self.rays.direction.abs() + self.reach());
@@ -430,9 +437,9 @@ impl PacketSpace {
         self.perspective & (edges | !is_clear(functions.facing))
     }
 
-    /// A triangle's functions, from closer factors where double precision does not suffice. `None` where a number is out of
-    /// [`NUMBER_RANGE`], or `misses` says of the denominator and an edge function that nothing more is needed; it is asked
-    /// where the denominator is clear.
+    /// A triangle's functions, from closer factors where double precision does not suffice. `None` where a number is
+    /// out of [`NUMBER_RANGE`], or `misses` says of the denominator and an edge function that nothing more is needed;
+    /// it is asked where the denominator is clear.
     #[inline(always)]
     fn functions_closely(
         &self,

@@ -2,14 +2,16 @@
 
 use super::params::ROW;
 use super::plane_along_rays::PlaneAlongRays;
+use super::plane_keys::PlaneKeys;
 use super::plane_order::{PlaneOrder, PlaneOrders};
 use super::ray_rect::RayRect;
 use super::ray_starts::RayStarts;
-use super::setup::PacketSpace;
+use super::setup::{PacketSpace, TriangleSetup};
 use crate::bvh::Accel;
 use crate::camera::{Lattice, Projection};
 use crate::hit::Precision;
 use crate::num::simd::Simd;
+use crate::triangle::CornerLanes;
 use crate::triangle::clip::{AtCorners, AtEye, Clip};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::edge_on::EdgeOn;
@@ -27,6 +29,8 @@ pub(crate) struct Decisions<'a> {
     edge_on: EdgeOn,
     coplanar: Coplanar,
     plane_orders: PlaneOrders,
+    /// The plane that the packet's depth keys are relative to. Boxed, since few packets' are.
+    plane_keys: Box<PlaneKeys>,
     ray_starts: RayStarts,
     /// With fast casting, triangles of one plane are ordered by their rounded distances.
     precision: Precision,
@@ -52,6 +56,7 @@ impl<'a> Decisions<'a> {
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
             plane_orders: PlaneOrders::new(),
+            plane_keys: Box::new(PlaneKeys::new()),
             ray_starts: RayStarts::new(lattice),
             precision,
         }
@@ -90,6 +95,12 @@ impl<'a> Decisions<'a> {
         self.edge_on.is(primitive, self.accel.corners(primitive))
     }
 
+    /// Whether [`Decisions::is_never_hit`] is known to be true of a triangle.
+    #[inline(always)]
+    pub(super) fn is_known_never_hit(&self, primitive: u32) -> bool {
+        self.edge_on.is_known(primitive)
+    }
+
     /// Begins a packet: triangles are ordered, and cut, along its rays.
     pub(super) fn set_rays(&mut self, space: &PacketSpace, packet: &RayRect) {
         (self.ray_starts).set_rays(packet, (space.reference, space.reference_error));
@@ -98,6 +109,27 @@ impl<'a> Decisions<'a> {
         let planes = self.planes_at_eye.iter();
         self.planes_along_rays
             .extend(planes.map(|plane| space.along_rays(plane)));
+        match space.reference_plane {
+            Some(plane) => (self.plane_keys).set(space, plane, self.accel.corners(plane)),
+            None => self.plane_keys.clear(),
+        }
+    }
+
+    /// The triangle whose plane the depth keys of a packet were last relative to.
+    pub(super) fn last_plane(&self) -> Option<u32> {
+        self.plane_keys.last()
+    }
+
+    /// Makes the depth keys of eight triangles, as bits `which` of them, more accurate where keys are relative to a
+    /// plane.
+    pub(super) fn refine_keys(
+        &mut self,
+        space: &PacketSpace,
+        triangles: (&CornerLanes, &[u32]),
+        which: u32,
+        set_up: &mut TriangleSetup,
+    ) {
+        self.plane_keys.refine(space, triangles, which, set_up);
     }
 
     /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys

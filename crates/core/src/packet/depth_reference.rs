@@ -6,9 +6,10 @@
 //! each, in double precision, and the interval z-buffer orders the differences. All rays of a packet have one
 //! reference: subtracting a constant from two keys keeps their order.
 //!
-//! So does subtracting any function of the ray. Where layers lie closer together than their depths differ from one end of a
-//! packet to the other, the reference becomes the plane of one of them: to that the others are nearly parallel, and what is
-//! left of their keys is as small as the layers are thin.
+//! So does subtracting any function of the ray. Where layers lie closer together than their depths differ from one end
+//! of a packet to the other, the reference becomes the plane of one of them: to that the others are nearly parallel,
+//! and what is left of their keys is as small as the layers are thin. Keys relative to a plane are multiplied by a
+//! power of two, since layers may be thinner than single precision's least number ([`PLANE_KEY`]).
 //!
 //! Its exponent has eight bits. The inverse depths of triangles that pass the eye at 10⁻⁴⁰ overflow it, so near such
 //! triangles depths are measured in a unit that is many times shorter ([`FURTHEST_KEY`]).
@@ -27,10 +28,10 @@ use glam::DVec3;
 /// triangle.
 const THIN: f64 = 1.0 / (1 << 14) as f64;
 
-/// The exponent of the keys of the furthest triangles in the unit for those that pass the eye closely: 24 bits above the least normal number, so
-/// that they keep their digits. All other numbers up to 2¹²⁸ are for nearer ones: planes that pass the eye at 2⁻¹⁴⁹ and lie
-/// along the view have inverse depths of 2²⁰⁰. With a greater exponent those overflow; with a lesser one far triangles
-/// lose their order, and leave it to exact arithmetic.
+/// The exponent of the keys of the furthest triangles in the unit for those that pass the eye closely: 24 bits above
+/// the least normal number, so that they keep their digits. All other numbers up to 2¹²⁸ are for nearer ones: planes
+/// that pass the eye at 2⁻¹⁴⁹ and lie along the view have inverse depths of 2²⁰⁰. With a greater exponent those
+/// overflow; with a lesser one far triangles lose their order, and leave it to exact arithmetic.
 const FURTHEST_KEY: i32 = -102;
 
 /// The factor by which a box must begin beyond hi-z to be skipped. The reciprocal of hi-z and the box's distance are
@@ -38,12 +39,27 @@ const FURTHEST_KEY: i32 = -102;
 /// occluded; with one below the rounding hits are lost.
 const BEYOND: f32 = 1.0 + 1e-5;
 
-/// Boxes that begin closer to the eye are not skipped: a subnormal number is rounded by more than [`BEYOND`] allows. Any
-/// greater limit below the depths of scenes is as good.
+/// Boxes that begin closer to the eye are not skipped: a subnormal number is rounded by more than [`BEYOND`] allows.
+/// Any greater limit below the depths of scenes is as good.
 const LEAST_NEAR: f32 = 1e-30;
 
 /// The greatest magnitude of a plane's key. Beyond it single precision would not hold differences from it.
 const GREATEST_PLANE: f64 = 1e30;
+
+/// The exponent of a plane's own key once it is multiplied. Layers of coordinates about one that are the least number
+/// of single precision apart then have relative keys about 2⁻⁹⁰, which is 36 bits above its least normal number. With a
+/// greater exponent triangles much nearer than the plane overflow, now those at 2⁻⁶⁸ of its depth; with a lesser one
+/// layers of greater coordinates lose their order, and leave it to exact arithmetic.
+const PLANE_KEY: i32 = 60;
+
+/// The least and the greatest exponent of a plane's key that is multiplied, so that the factor is a number of single
+/// precision.
+const MULTIPLIED: std::ops::RangeInclusive<i32> = -60..=60;
+
+/// The difference of two planes' keys, as a share of them, up to which one is the reference where the other would be.
+/// With a greater one layers that are as thick keep fewer digits; with a lesser one exact distances are computed again
+/// for thick layers.
+const CLOSE: f64 = 1.0 / (1 << 16) as f64;
 
 /// The depth key that others are relative to, zero where keys are absolute, and the unit of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,12 +68,30 @@ pub(super) struct DepthReference {
     key: f32,
     /// The reference; of a plane, an upper bound of it.
     most: f32,
-    /// The depth key of a plane along a packet's rays, where that is the reference.
-    plane: Option<Linear>,
+    /// The plane, where that is the reference.
+    plane: Option<ReferencePlane>,
+    /// The factor of relative keys, a power of two: one unless the reference is a plane.
+    factor: f32,
     /// Units of depth to one of the scene's: one, or more where triangles pass the eye closely.
     units: f64,
     /// [`BEYOND`] in the scene's units.
     beyond: f32,
+}
+
+/// A triangle's plane as the reference of a packet's depth keys.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ReferencePlane {
+    pub(super) primitive: u32,
+    /// Its depth key along the packet's rays, before it is multiplied, and the bound on its error.
+    pub(super) key: (Linear, f64),
+}
+
+impl ReferencePlane {
+    /// Whether it is as good a reference for what lies close to another plane.
+    pub(super) fn is_close_to(&self, other: &Self) -> bool {
+        let ((key, error), (other, other_error)) = (self.key, other.key);
+        key.less(other).reach() <= CLOSE * key.reach() + error + other_error
+    }
 }
 
 impl DepthReference {
@@ -66,6 +100,7 @@ impl DepthReference {
         key: 0.0,
         most: 0.0,
         plane: None,
+        factor: 1.0,
         units: 1.0,
         beyond: BEYOND,
     };
@@ -91,8 +126,8 @@ impl DepthReference {
         }
     }
 
-    /// The unit for triangles that pass the eye so closely that their keys overflow single precision, with others within
-    /// boxes.
+    /// The unit for triangles that pass the eye so closely that their keys overflow single precision, with others
+    /// within boxes.
     pub(super) fn close(boxes: impl Iterator<Item = Box32>, camera: &Camera, eye: DVec3) -> Self {
         let units = units_for(depths(boxes, camera, eye).1);
         Self {
@@ -108,26 +143,52 @@ impl DepthReference {
         self.units == 1.0
     }
 
-    /// The same with a plane's depth key as the reference, for a packet whose last ray is in this column and row. `None`
-    /// where it has one already, or the key is out of range.
-    pub(super) fn with_plane(self, plane: Linear, (column, row): (f32, f32)) -> Option<Self> {
-        let steps = [plane.x * f64::from(column), plane.y * f64::from(row)];
-        // Off by a few roundings of its terms.
-        let error = 8.0 * EPSILON * plane.reach();
+    /// The same with a plane as the reference, for a packet whose last ray is in this column and row. `None` where it
+    /// has one already, or the key is out of range.
+    pub(super) fn with_plane(
+        self,
+        plane: ReferencePlane,
+        (column, row): (f32, f32),
+    ) -> Option<Self> {
+        let (function, error) = plane.key;
+        let steps = [function.x * f64::from(column), function.y * f64::from(row)];
+        // Off by a few roundings of its terms besides.
+        let error = error + 8.0 * EPSILON * function.reach();
         let least = steps
             .iter()
-            .fold(plane.constant - error, |sum, step| sum + step.min(0.0));
+            .fold(function.constant - error, |sum, step| sum + step.min(0.0));
         let most = steps
             .iter()
-            .fold(plane.constant + error, |sum, step| sum + step.max(0.0));
+            .fold(function.constant + error, |sum, step| sum + step.max(0.0));
         let key = (least as f32).next_down();
-        let is_useful = self.plane.is_none() && plane.reach() < GREATEST_PLANE && key != 0.0;
+        // NaN fails the comparison.
+        let is_useful =
+            self.plane.is_none() && function.reach() + error < GREATEST_PLANE && key != 0.0;
+        let exponent = (function.reach().to_bits() >> 52) as i32 - 1023;
+        let is_multiplied = self.is_in_scene_units() && MULTIPLIED.contains(&exponent);
         is_useful.then_some(Self {
             key,
             most: (most as f32).next_up(),
             plane: Some(plane),
+            factor: match is_multiplied {
+                true => f32::from_bits(((127 + PLANE_KEY - exponent) as u32) << 23),
+                false => 1.0,
+            },
             ..self
         })
+    }
+
+    /// Whether relative keys are multiplied, so that those of much nearer triangles overflow.
+    pub(super) fn is_multiplied(self) -> bool {
+        self.factor != 1.0
+    }
+
+    /// The same without the factor.
+    pub(super) fn not_multiplied(self) -> Self {
+        Self {
+            factor: 1.0,
+            ..self
+        }
     }
 
     /// Whether keys are absolute.
@@ -141,13 +202,33 @@ impl DepthReference {
         self.plane.is_some()
     }
 
-    /// The reference along a packet's rays, exactly.
-    pub(super) fn function(self) -> Linear {
-        self.plane.unwrap_or(Linear {
-            constant: self.key.into(),
-            x: 0.0,
-            y: 0.0,
-        })
+    /// The triangle whose plane it is.
+    pub(super) fn plane(self) -> Option<u32> {
+        self.plane.map(|plane| plane.primitive)
+    }
+
+    /// The reference along a packet's rays, multiplied by its factor, and the bound on its error: zero unless it is a
+    /// plane.
+    pub(super) fn function(self) -> (Linear, f64) {
+        match self.plane {
+            Some(ReferencePlane {
+                key: (function, error),
+                ..
+            }) => (function.times(self.factor()), error * self.factor()),
+            None => {
+                let constant = Linear {
+                    constant: self.key.into(),
+                    x: 0.0,
+                    y: 0.0,
+                };
+                (constant, 0.0)
+            }
+        }
+    }
+
+    /// The factor of relative keys, a power of two.
+    pub(super) fn factor(self) -> f64 {
+        self.factor.into()
     }
 
     /// Units of depth to one of the scene's, a power of two.
@@ -158,13 +239,14 @@ impl DepthReference {
     /// Bounds of the relative keys of an absolute key of zero.
     #[inline(always)]
     pub(super) fn relative_zero(self) -> [f32; 2] {
-        [0.0 - self.most, 0.0 - self.key]
+        [0.0 - self.most * self.factor, 0.0 - self.key * self.factor]
     }
 
-    /// The absolute key of a relative one, or a lower bound of it, rounded once.
+    /// The absolute key of a relative one, or a lower bound of it, rounded once: what underflows is far below `key`'s
+    /// last digit.
     #[inline(always)]
     pub(super) fn absolute(self, key: f32) -> f32 {
-        key + self.key
+        key / self.factor + self.key
     }
 
     /// An upper bound of a relative key: the difference is off by half a unit in the last place, and is moved up by
@@ -174,7 +256,7 @@ impl DepthReference {
         if self.is_zero() {
             return key;
         }
-        let relative = key - self.key;
+        let relative = (key - self.key) * self.factor;
         relative + relative.abs() * (4.0 * f32::EPSILON)
     }
 
@@ -352,26 +434,33 @@ mod tests {
     #[test]
     fn bounds_of_a_plane_hold_along_all_rays() {
         let mut random = Random(74);
-        for _ in 0..5000 {
+        for round in 0..5000 {
             let slope = 0.1f64.powi((random.unit() * 8.0) as i32);
             let plane = Linear {
                 constant: 1.0 + random.unit(),
                 x: 0.01 * slope * random.signed(),
                 y: 0.01 * slope * random.signed(),
             };
-            let reference = DepthReference::NONE.with_plane(plane, (31.0, 15.0));
+            let off = [0.0, 1e-4][round % 2];
+            let of = |key: (Linear, f64)| ReferencePlane { primitive: 7, key };
+            let known = of((plane, off));
+            let reference = DepthReference::NONE.with_plane(known, (31.0, 15.0));
             let reference = reference.expect("in range");
-            assert_eq!(reference.with_plane(plane, (31.0, 31.0)), None);
+            assert_eq!(reference.with_plane(known, (31.0, 31.0)), None);
             assert!(reference.is_plane() && !reference.is_zero());
-            assert_eq!(reference.function(), plane);
+            let factor = reference.factor();
+            assert_eq!(reference.plane(), Some(7));
+            assert_eq!(reference.function(), (plane.times(factor), off * factor));
             let [in_front, behind] = reference.relative_zero();
             for at in 0..32 * 16 {
                 let (column, row) = (f64::from(at % 32), f64::from(at / 32));
                 let here = plane.constant + plane.x * column + plane.y * row;
-                assert!(f64::from(in_front) < -here && -here < f64::from(behind));
+                let here = here + off * random.signed();
+                let at_zero = -here * factor;
+                assert!(f64::from(in_front) < at_zero && at_zero < f64::from(behind));
                 let near = (0.5 + random.unit()) as f32;
                 let key = 1.0 / f64::from(near);
-                let relative = key - here;
+                let relative = (key - here) * factor;
                 let above = reference.key_of_box(Projection::Perspective, near);
                 assert!(f64::from(above) >= relative);
                 let hi_z = (relative as f32).next_down();
@@ -382,6 +471,10 @@ mod tests {
             constant: 1e31,
             x: f64::NAN,
             y: 0.0,
+        };
+        let huge = ReferencePlane {
+            primitive: 7,
+            key: (huge, 0.0),
         };
         assert_eq!(DepthReference::NONE.with_plane(huge, (31.0, 31.0)), None);
     }

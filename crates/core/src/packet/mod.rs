@@ -22,8 +22,9 @@
 //!
 //! Before that, the plane of one triangle and the corners of the other order the two for eight rays or a whole cell
 //! (`plane_order`); only rays for which that is not sure either are left undecided. Of layers too close together for
-//! single precision, most are behind triangles that a cell's rays surely hit (`interval_zbuffer::sure_hits`), and are not
-//! merged.
+//! single precision, most are behind triangles that a cell's rays surely hit (`interval_zbuffer::sure_hits`), and are
+//! not merged. Where many orders are left undecided, the packet is cast again with depths relative to the plane of one
+//! of the layers (`plane_keys`).
 //!
 //! With clipping planes, boxes and triangles that the planes remove are skipped on the way, and triangles that they
 //! cut get an additional edge (`interval_zbuffer::cut_triangles`).
@@ -33,8 +34,8 @@
 //! a perspective packet, and their functions are evaluated at those places (`setup::place_bounds`,
 //! `traversal::at_places`, `interval_zbuffer::at_places`); small ones without set-up (`triangles_at_places`). A packet
 //! that sees too wide for a plane is split.
-//! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds include how far the picture's
-//! own rays are from that lattice's.
+//! The faces of a cube map are planes: each is cast as a perspective lattice, whose bounds include how far the
+//! picture's own rays are from that lattice's.
 //!
 //! From far away, rays are closer together than their roundings, and corners relative to their eye are rounded by more
 //! than triangles' sizes. Packets of such lattices (`cast::far`) see the scene from an eye close to it
@@ -81,6 +82,7 @@ mod params;
 mod place_box;
 mod places;
 mod plane_along_rays;
+mod plane_keys;
 mod plane_order;
 mod ray_bounds;
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Clipping planes along the rays of a packet that start at one eye.
 //!
-//! At depth z along a ray of direction d(i, j), D deep, a plane's function is g + z·n·d(i, j)/D, with g = n·eye − c. So it
-//! has the sign of D·g/z + n·d(i, j): a multiple of the depth key, and a linear function of the ray's place. Next to the
-//! eye, where the mean of the values at a triangle's corners is a small difference of great numbers, this sign is sure: if
-//! the eye lies on the plane, it goes by the ray alone.
+//! At depth z along a ray of direction d(i, j), D deep, a plane's function is g + z·n·d(i, j)/D, with g = n·eye − c. So
+//! it has the sign of D·g/z + n·d(i, j): a multiple of the depth key, and a linear function of the ray's place. Next to
+//! the eye, where the mean of the values at a triangle's corners is a small difference of great numbers, this sign is
+//! sure: if the eye lies on the plane, it goes by the ray alone.
 //!
 //! # Error bound
 //! u = 2⁻²⁴; ε_d and B as in [`componentwise_setup`](super::componentwise_setup). The depth key is off by κ and at most K in
@@ -12,7 +12,8 @@
 //! and the sum are rounded once each: with G the factor, 3u·G·K + u·(G·K + N), to which come G·κ and the error of g by
 //! K + κ + ρ. All is divided by G·K + N, so that single precision's range holds it.
 //!
-//! Where the sum is close to zero G·K and N are equal, and 4u·G·K is a twelfth of what evaluation takes: no test shows it.
+//! Where the sum is close to zero G·K and N are equal, and 4u·G·K is a twelfth of what evaluation takes: no test shows
+//! it.
 
 use super::setup::{LINEAR_ERROR, Linear, PacketSpace, REACH};
 use crate::num::roundoff::EPSILON;
@@ -51,15 +52,17 @@ impl PacketSpace {
     /// A plane's function along the packet's rays.
     pub(super) fn along_rays(&self, plane: &AtEye) -> PlaneAlongRays {
         let (d, [a, b], n) = (self.rays.direction, self.rays.steps, plane.normal);
-        let depth = self.rays.distance * self.units;
+        let depth = self.rays.distance * self.units / self.key_factor;
+        let by_key = plane.value * depth;
         PlaneAlongRays {
             function: Linear {
                 constant: d.dot(n),
                 x: a.dot(n),
                 y: b.dot(n),
             },
-            error: 20.0 * EPSILON * self.rays.greatest * n.abs().element_sum(),
-            by_key: plane.value * depth,
+            error: 20.0 * EPSILON * self.rays.greatest * n.abs().element_sum()
+                + by_key.abs() * self.reference_error,
+            by_key,
             by_key_error: (plane.error + 4.0 * EPSILON * plane.value.abs()) * depth,
             reference: self.reference,
         }
@@ -114,7 +117,7 @@ impl PlaneAlongRays {
 
 #[cfg(test)]
 mod tests {
-    use super::super::depth_reference::DepthReference;
+    use super::super::depth_reference::{DepthReference, ReferencePlane};
     use super::super::setup_tests::space;
     use super::*;
     use crate::camera::{Camera, ImagePlane, Pose, Projection};
@@ -149,8 +152,8 @@ mod tests {
         assert!(known > 10 && unknown > 5, "{known} {unknown}");
     }
 
-    /// The truth is the plane's function at points of known depth along the camera's rays, of which the eye is on the plane or
-    /// a given distance beside it.
+    /// The truth is the plane's function at points of known depth along the camera's rays, of which the eye is on the
+    /// plane or a given distance beside it.
     #[test]
     fn planes_along_rays_have_the_sign_of_their_points() {
         let mut random = Random(83);
@@ -187,8 +190,8 @@ mod tests {
             let off = [U, 1e-4][round / 10 % 2];
             let key = (1.0 + off * random.signed()) / depth;
             // Keys are relative to nothing, or to the plane of a layer that may lie close by.
-            let (space, reference) = match round / 40 % 2 {
-                0 => (space, 0.0),
+            let (space, reference, factor) = match round / 40 % 2 {
+                0 => (space, 0.0, 1.0),
                 _ => {
                     let mut slope = || random.signed() * 0.01 / depth;
                     let plane = Linear {
@@ -196,13 +199,21 @@ mod tests {
                         x: slope(),
                         y: slope(),
                     };
+                    // The reference is off by as much as is said.
+                    let error = [0.0, 1e-3][round / 160 % 2] / depth;
+                    let here = plane.constant + plane.x * column + plane.y * row;
+                    let plane = ReferencePlane {
+                        primitive: 0,
+                        key: (plane, error),
+                    };
                     let reference = DepthReference::NONE.with_plane(plane, (31.0, 31.0));
-                    let space = space.relative_to(reference.expect("a key in range"));
-                    (space, plane.constant + plane.x * column + plane.y * row)
+                    let reference = reference.expect("a key in range");
+                    let space = space.relative_to(reference);
+                    (space, here + error * random.signed(), reference.factor())
                 }
             };
-            let key = [(key - reference) as f32, 0.0, 0.0];
-            let key_error = ((off + 2.0 * U) / depth) as f32;
+            let key = [((key - reference) * factor) as f32, 0.0, 0.0];
+            let key_error = ((off + 2.0 * U) / depth * factor) as f32;
             let (i, j) = ((column / 2.0).floor(), (row / 2.0).floor());
             let found = space.along_rays(&at_eye).at_key(key, key_error, (i, j));
             let [constant, x, y] = found.function;

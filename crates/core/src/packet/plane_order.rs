@@ -14,17 +14,17 @@
 //! first.
 //!
 //! # Error bound
-//! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
+//! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::functions_in_double`]) and at most Mₖ over the packet, F is off by
 //! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
 //! extent of cells, are in single precision: F moves by its slope times [`SINGLE_PLACE_ERROR`].
 //!
 //! Next to the eye, planes may be closer together than the errors of sₖ in double precision, although far apart
 //! compared with their distance from the eye; then the sₖ are computed in double-double arithmetic, and exactly where
 //! that does not tell them from zero. And where coordinates differ by many magnitudes, δ, proportional to the greatest,
-//! exceeds the Eₖ; then each has a componentwise bound of its own ([`PacketSpace::edges_componentwise`]).
+//! exceeds the Eₖ; then each has a componentwise bound of its own ([`PacketSpace::functions_componentwise`]).
 
 use super::params::{CELLS, ROW};
-use super::setup::{Linear, PacketSpace, REACH};
+use super::setup::{Edges, Linear, PacketSpace, REACH};
 use crate::hit::MISS;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
@@ -55,11 +55,11 @@ type TurnedPlane = Option<Plane>;
 
 /// The edge functions of a triangle over a packet, each with the bound on its error; `None` where it is not sure which
 /// side of the triangle the packet sees.
-type BoundedEdges = Option<[(Linear, f64); 3]>;
+type BoundedEdges = Option<Edges>;
 
 /// A triangle's plane as the rays of a packet cross it. For a perspective packet they go from the eye to the plane, as
 /// hits lie in front of the eye.
-fn turned(space: &PacketSpace, corners: [Vec3; 3]) -> TurnedPlane {
+pub(super) fn turned(space: &PacketSpace, corners: [Vec3; 3]) -> TurnedPlane {
     if !space.perspective {
         return Plane::new(corners).turned_along(space.rays.direction, 0.0);
     }
@@ -182,7 +182,8 @@ impl PlaneOrder {
         if closer.is_accurate() {
             return closer;
         }
-        let componentwise = edges.space.edges_componentwise(*edges.corners[1]);
+        let componentwise = edges.space.functions_componentwise(*edges.corners[1]);
+        let componentwise = componentwise.map(|functions| functions.edges);
         let closest = Self::by_distances(distances, || &componentwise);
         if closest.uncertainty() < closer.uncertainty() {
             closest
@@ -221,19 +222,10 @@ impl PlaneOrder {
         let Some(edges) = edges() else {
             return Self::UNKNOWN;
         };
-        let mut function = Linear::ZERO;
-        let mut error = 0.0;
-        for ((distance, distance_error), (edge, edge_error)) in distances.into_iter().zip(*edges) {
-            function.constant += distance * edge.constant;
-            function.x += distance * edge.x;
-            function.y += distance * edge.y;
-            let most = edge.reach();
-            error += distance.abs() * (edge_error + 6.0 * EPSILON * most)
-                + distance_error * (most + edge_error);
-        }
+        let (function, error) = weighted_sum(distances, edges);
         Self {
             function,
-            error: (error + SINGLE_PLACE_ERROR * function.slope()) * 1.01 + LEAST_SURE,
+            error: error + SINGLE_PLACE_ERROR * function.slope() * 1.01,
             in_one_plane: false,
         }
     }
@@ -312,7 +304,10 @@ impl PlacesWithin {
 /// Distances of the second triangle's corners from the plane of the first, each with its error: exactly zero for a
 /// corner that both have, of which the bound would leave nothing sure where the hits are next to it.
 #[inline(always)]
-fn unless_shared([first, second]: [&[Vec3; 3]; 2], [p, q, r]: [(f64, f64); 3]) -> [(f64, f64); 3] {
+pub(super) fn unless_shared(
+    [first, second]: [&[Vec3; 3]; 2],
+    [p, q, r]: [(f64, f64); 3],
+) -> [(f64, f64); 3] {
     let [a, b, c] = second;
     let of = |corner, distance| match first.contains(corner) {
         true => (0.0, 0.0),
@@ -321,8 +316,24 @@ fn unless_shared([first, second]: [&[Vec3; 3]; 2], [p, q, r]: [(f64, f64); 3]) -
     [of(a, p), of(b, q), of(c, r)]
 }
 
+/// F of distances, each with its error, and edge functions; and the bound on its error but for places' roundings.
+#[inline(always)]
+pub(super) fn weighted_sum(distances: [(f64, f64); 3], edges: &Edges) -> (Linear, f64) {
+    let mut function = Linear::ZERO;
+    let mut error = 0.0;
+    for ((distance, distance_error), (edge, edge_error)) in distances.into_iter().zip(*edges) {
+        function.constant += distance * edge.constant;
+        function.x += distance * edge.x;
+        function.y += distance * edge.y;
+        let most = edge.reach();
+        error += distance.abs() * (edge_error + 6.0 * EPSILON * most)
+            + distance_error * (most + edge_error);
+    }
+    (function, error * 1.01 + LEAST_SURE)
+}
+
 /// Whether distances are known within [`ACCURATE`] of the greatest of them.
-fn are_accurate(distances: [(f64, f64); 3]) -> bool {
+pub(super) fn are_accurate(distances: [(f64, f64); 3]) -> bool {
     let greatest = |of: fn((f64, f64)) -> f64| distances.into_iter().map(of).fold(0.0, f64::max);
     greatest(|(_, error)| error) <= ACCURATE * greatest(|(distance, _)| distance.abs())
 }
@@ -339,7 +350,10 @@ struct PairEdges<'p> {
 impl PairEdges<'_> {
     fn in_double(&mut self) -> &BoundedEdges {
         let Self { space, corners, .. } = self;
-        let edges = || space.edges_in_double(*corners[1]);
+        let edges = || {
+            let functions = space.functions_in_double(*corners[1]);
+            functions.map(|functions| functions.edges)
+        };
         self.known.get(self.second, self.packet, edges)
     }
 }

@@ -1,5 +1,5 @@
-//! Where parallel rays start in the plane of a triangle, except for rounding: which of them start in front of it, decided
-//! exactly, once for all triangles of the plane.
+//! Where parallel rays start in the plane of a triangle, except for rounding: which of them start in front of it,
+//! decided exactly, once for all triangles of the plane.
 //!
 //! Single precision leaves every ray of every such triangle undecided, and thousands of triangles may lie in one plane.
 
@@ -15,8 +15,8 @@ use crate::triangle::coplanar::Coplanar;
 use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::DVec3;
 
-/// Planes in the cache, each some 400 bytes, allocated when the first is needed. Rays start in few planes at once; with fewer,
-/// planes that alternate are decided again, with more, a triangle is compared with more planes for nothing.
+/// Planes in the cache, each some 400 bytes, allocated when the first is needed. Rays start in few planes at once; with
+/// fewer, planes that alternate are decided again, with more, a triangle is compared with more planes for nothing.
 const CACHED: usize = 8;
 
 /// Rows of eight rays in a packet.
@@ -57,7 +57,7 @@ impl RayStarts {
         Self {
             lattice: is_parallel.then(|| Box::new(*lattice)),
             first: (0, 0),
-            reference: (DepthReference::NONE.function(), 0.0),
+            reference: DepthReference::NONE.function(),
             planes: Vec::new(),
             oldest: 0,
         }
@@ -71,9 +71,9 @@ impl RayStarts {
         self.oldest = 0;
     }
 
-    /// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of a triangle whose depth keys
-    /// are within these bounds, relative to the packet's reference, and those that surely start behind it. A ray starts at an
-    /// absolute key of zero.
+    /// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of a triangle whose
+    /// depth keys are within these bounds, relative to the packet's reference, and those that surely start behind it. A
+    /// ray starts at an absolute key of zero.
     pub(super) fn by_depth_keys(&self, first: usize, [low, high]: [&[f32; ROW]; 2]) -> [u32; 2] {
         let (Linear { constant, x, y }, error) = self.reference;
         let [mut in_front, mut behind] = [0; 2];
@@ -86,8 +86,8 @@ impl RayStarts {
         [in_front, behind]
     }
 
-    /// Of eight rays from the packet's ray `first` on, those of `rays`, as bits, that start in front of a triangle. All of
-    /// `rays` must cross its plane inside it.
+    /// Of eight rays from the packet's ray `first` on, those of `rays`, as bits, that start in front of a triangle. All
+    /// of `rays` must cross its plane inside it.
     pub(super) fn in_front(
         &mut self,
         accel: &Accel,
@@ -146,8 +146,8 @@ impl RayStarts {
     }
 }
 
-/// Whether a ray that goes to the side that a plane's normal points to starts on the other side of it; `None` where that is
-/// not sure in double precision.
+/// Whether a ray that goes to the side that a plane's normal points to starts on the other side of it; `None` where
+/// that is not sure in double precision.
 fn starts_before(plane: &Plane, ray: &Ray, tree_origin: DVec3) -> Option<bool> {
     let (origin, error) = relative_origin(ray.origin, tree_origin);
     let (distance, error) = plane.distance_of_origin(origin, error);
@@ -194,8 +194,8 @@ mod tests {
         (lattice, triangles)
     }
 
-    /// Ten parallel planes, so that they evict one another: only in the first do rays start on either side. The truth is
-    /// brute force.
+    /// Ten parallel planes, so that they evict one another: only in the first do rays start on either side. The truth
+    /// is brute force.
     #[test]
     fn rays_that_start_in_front_of_planes_are_distinguished() {
         let (lattice, triangles) = rays_in_a_plane(0);
@@ -216,7 +216,7 @@ mod tests {
                 columns: 32,
                 rows: 32,
             };
-            starts.set_rays(&packet, (DepthReference::NONE.function(), 0.0));
+            starts.set_rays(&packet, DepthReference::NONE.function());
             for _ in 0..2000 {
                 let primitive = (random.unit() * 10.0) as u32;
                 let alone = &alone[all.id(primitive) as usize];
@@ -244,8 +244,8 @@ mod tests {
         assert!(both[0] > 1000 && both[1] > 1000, "{both:?}");
     }
 
-    /// Of hundreds of triangles that the rays start in except for rounding, the packets find what single rays do, and few
-    /// rays are left to those.
+    /// Of hundreds of triangles that the rays start in except for rounding, the packets find what single rays do, and
+    /// few rays are left to those.
     #[test]
     fn rays_that_start_in_many_triangles_find_the_nearest() {
         let (lattice, triangles) = rays_in_a_plane(600);

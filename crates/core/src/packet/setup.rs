@@ -71,13 +71,36 @@ pub(crate) use space::PacketSpace;
 /// higher orders.
 pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 
-/// The least ratio between the greatest magnitudes of two of a triangle's edge functions at which all three share a scale.
+/// The least ratio between the greatest magnitudes of two of a triangle's edge functions at which all three share a
+/// scale.
 ///
 /// A triangle with a corner next to the eye is below it: in the scale of the opposite edge's function the other two are
 /// within [`LINEAR_ERROR`] of zero, and leave all rays undecided. At this limit an edge function leaves 48·2⁻²⁴ / 2⁻¹²,
 /// 1.2 % of its range, undecided. With a lesser limit that share grows; with a greater one more triangles are set up
 /// twice.
 const UNBALANCED: f64 = 1.0 / (1 << 12) as f64;
+
+/// The error of a function, as a share of its greatest magnitude, up to which componentwise bounds gain little: errors
+/// of double precision up to 1.5 times those of single precision. With a lower limit triangles are set up twice that
+/// componentwise bounds hardly improve; with a higher one more rays stay undecided.
+const MOST_SMOOTH: f64 = 2.5 * LINEAR_ERROR;
+
+/// Whether componentwise bounds of a triangle's edge functions gain little: `least` and `magnitude` are the greatest
+/// magnitudes of the least and of the greatest of them.
+#[inline(always)]
+fn are_edges_smooth(error: f64, least: f64, magnitude: f64) -> bool {
+    (error < MOST_SMOOTH) & (least > UNBALANCED * magnitude)
+}
+
+/// Edge functions over a whole packet, positive inside, each with the bound on its error.
+pub(super) type Edges = [(Linear, f64); 3];
+
+/// A triangle's edge functions, and the denominator of its depth key with the bound on its error.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PacketFunctions {
+    pub(super) edges: Edges,
+    pub(super) facing: (f64, f64),
+}
 
 /// Eight triangles set up for a packet.
 ///
@@ -110,8 +133,8 @@ pub(crate) struct TriangleSetup {
 }
 
 impl TriangleSetup {
-    /// An upper bound of a triangle's depth key at the places of a lattice's rays within its bounds; infinite where nothing is
-    /// sure.
+    /// An upper bound of a triangle's depth key at the places of a lattice's rays within its bounds; infinite where
+    /// nothing is sure.
     pub(super) fn nearest_key(&self, l: usize) -> f32 {
         if self.ill_conditioned[l] {
             return f32::INFINITY;
@@ -121,6 +144,32 @@ impl TriangleSetup {
         let across = (x * (right - self.column[l]) as f32).max(0.0);
         let along = (y * (bottom - self.row[l]) as f32).max(0.0);
         constant + across + along + self.depth_key_error[l]
+    }
+
+    /// Replaces a triangle's depth key by one with this bound on its error, but for its roundings in single precision,
+    /// if that is more accurate. The key and the edge functions are those over the whole packet.
+    pub(super) fn improve_key(
+        &mut self,
+        l: usize,
+        (key, error): (Linear, f64),
+        edges: &Edges,
+        span: &FunctionDomain,
+    ) {
+        let key = key.moved(span);
+        let spread = key.size(span);
+        let error = ((error + spread * LINEAR_ERROR) * 1.001) as f32 + f32::MIN_POSITIVE;
+        if spread < f64::from(f32::MAX) && error < self.depth_key_error[l] {
+            let terms = [key.constant, key.x, key.y];
+            for (out, term) in self.depth_key.iter_mut().zip(terms) {
+                out[l] = term as f32;
+            }
+            self.depth_key_error[l] = error;
+            let sizes = edges.map(|(edge, _)| edge.moved(span).size(span));
+            let [least, magnitude] = [lesser, greater]
+                .map(|of: fn(f64, f64) -> f64| of(of(sizes[0], sizes[1]), sizes[2]));
+            self.is_rough[l] = self.ill_conditioned[l]
+                | !are_edges_smooth(self.edge_error[l].into(), least, magnitude);
+        }
     }
 
     /// Whether a triangle's depth key may reach a value between two somewhere in the packet.
@@ -133,9 +182,9 @@ impl TriangleSetup {
 }
 
 impl PacketSpace {
-    /// A triangle's edge functions in double precision, positive inside, over the whole packet, each with the bound on its
-    /// error. `None` where it is not sure which side of the triangle the packet sees.
-    pub(super) fn edges_in_double(&self, corners: [Vec3; 3]) -> Option<[(Linear, f64); 3]> {
+    /// A triangle's functions in double precision. `None` where it is not sure which side of the triangle the packet
+    /// sees.
+    pub(super) fn functions_in_double(&self, corners: [Vec3; 3]) -> Option<PacketFunctions> {
         let triangle = self.map_triangle(corners);
         let size = self.size_of(&triangle);
         let plane = self.plane(&triangle, &size);
@@ -147,7 +196,10 @@ impl PacketSpace {
         let [e, f, g] = self.edge_functions(&triangle, plane.facing.signum());
         let steepest = greater(greater(e.slope(), f.slope()), g.slope());
         let error = self.edge_error(&size) + self.ray_error * steepest;
-        Some([(e, error), (f, error), (g, error)])
+        Some(PacketFunctions {
+            edges: [(e, error), (f, error), (g, error)],
+            facing: (plane.facing, plane.facing_error),
+        })
     }
 
     /// A triangle in packet space.
@@ -155,14 +207,19 @@ impl PacketSpace {
         PacketTriangle::new(self.map_point(a), self.map_point(b), self.map_point(c))
     }
 
-    /// A triangle's depth key in double precision, over the whole packet. `None` where it is not sure which side of the
-    /// triangle the packet sees.
-    pub(super) fn depth_key_in_double(&self, corners: [Vec3; 3]) -> Option<Linear> {
+    /// A triangle's absolute depth key in double precision, over the whole packet, and the bound on its error. `None`
+    /// where it is not sure which side of the triangle the packet sees.
+    pub(super) fn depth_key_in_double(&self, corners: [Vec3; 3]) -> Option<(Linear, f64)> {
         let triangle = self.map_triangle(corners);
         let plane = self.plane(&triangle, &self.size_of(&triangle));
         // NaN fails this comparison.
         let is_clear = plane.facing.abs() > 4.0 * plane.facing_error;
-        is_clear.then(|| self.depth_key(&triangle, &FunctionDomain::PACKET, 1.0 / plane.facing))
+        is_clear.then(|| {
+            let inverse = 1.0 / plane.facing;
+            let key = self.depth_key(&triangle, &FunctionDomain::PACKET, inverse);
+            let error = key.reach() * plane.facing_error + plane.numerator_error;
+            (key, 2.0 * error * inverse.abs())
+        })
     }
 
     /// Sets up eight triangles, each for the rays of its bounds.
@@ -212,7 +269,7 @@ impl PacketSpace {
                 out[2][l] = (edge.y * unit) as f32;
             }
 
-            let inverse = 1.0 / plane.facing;
+            let inverse = self.key_factor / plane.facing;
             let key = self.depth_key(&triangle, &span, inverse);
             let greatest = key.size(&span);
             let key = key.less(self.reference.moved(&span));
@@ -231,11 +288,8 @@ impl PacketSpace {
                 & (key_error < f64::from(f32::MAX))
                 & (spread < f64::from(f32::MAX));
             out.ill_conditioned[l] = !(clear & sound);
-            // 2.5: errors of double precision up to 1.5 times those of single precision. With a lower limit triangles
-            // are set up twice that componentwise bounds hardly improve; with a higher one more rays stay undecided.
-            let smooth = (edge_error < 2.5 * LINEAR_ERROR)
-                & (key_error < 2.5 * LINEAR_ERROR * spread)
-                & (least > UNBALANCED * magnitude);
+            let smooth =
+                are_edges_smooth(edge_error, least, magnitude) & (key_error < MOST_SMOOTH * spread);
             out.is_rough[l] = !(clear & sound & smooth);
         }
         out

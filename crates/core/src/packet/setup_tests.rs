@@ -2,8 +2,9 @@
 //! nearly a unit in the last place, and they leave little undecided.
 
 use super::componentwise_setup::ComponentwiseSetup;
-use super::depth_reference::DepthReference;
+use super::depth_reference::{DepthReference, ReferencePlane};
 use super::params::SIDE;
+use super::plane_keys::PlaneKeys;
 use super::ray_box::RayBox;
 use super::setup::{PacketSpace, TriangleSetup};
 use crate::bvh::tree::Box32;
@@ -224,8 +225,8 @@ fn hostile_triangle(
     }
 }
 
-/// Sets up triangles that cameras see around `tree_origin`, and checks each at all rays of the packet, or at the ray that
-/// an edge goes through.
+/// Sets up triangles that cameras see around `tree_origin`, and checks each at all rays of the packet, or at the ray
+/// that an edge goes through.
 fn check_all(
     (projection, pitch, tree_origin): (Projection, f64, DVec3),
     rounds: usize,
@@ -541,12 +542,15 @@ fn relative_depth_keys_order_only_what_is_sure() {
                     });
                 }
                 // Relative to a constant, or to the plane of one of them.
-                let plane = space
-                    .depth_key_in_double(triangles[0])
-                    .filter(|_| round % 4 > 1);
-                let relative = plane.and_then(|plane| reference.with_plane(plane, (31.0, 31.0)));
+                let key = space.depth_key_in_double(triangles[0]);
+                let mut keys = PlaneKeys::new();
+                let relative = key.filter(|_| round % 4 > 1).and_then(|key| {
+                    let plane = ReferencePlane { primitive: 0, key };
+                    reference.with_plane(plane, (31.0, 31.0))
+                });
                 if let Some(reference) = relative {
                     space = space.relative_to(reference);
+                    keys.set(&space, 0, triangles[0]);
                     planes += 1;
                 }
                 let corners = lanes_of(triangles);
@@ -562,6 +566,8 @@ fn relative_depth_keys_order_only_what_is_sure() {
                     };
                     work.run(Plain);
                 }
+                let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
+                keys.refine(&space, (&corners, &primitives), u32::MAX, &mut set_up);
                 for l in (0..LANES).step_by(2) {
                     let sound = |l: usize| !set_up.ill_conditioned[l] && set_up.boxes[l].right >= 0;
                     if !sound(l) || !sound(l + 1) {

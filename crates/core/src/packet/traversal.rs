@@ -11,7 +11,7 @@ mod gather;
 
 use super::counts::CastCounts;
 use super::decisions::Decisions;
-use super::depth_reference::DepthReference;
+use super::depth_reference::{DepthReference, ReferencePlane};
 use super::frustum::{CellFrusta, Frustum, Viewpoint, Window};
 use super::interval_zbuffer::{IntervalZBuffer, SmallOutcome};
 use super::observer::Observer;
@@ -281,6 +281,10 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 observer.set_up(primitives);
                 self.queued.len = 0;
                 if zbuffer.wants_single_rays() && self.decisions.are_exact() {
+                    if zbuffer.has_overflowed() && self.reference.is_multiplied() {
+                        self.reference = self.reference.not_multiplied();
+                        continue 'packet;
+                    }
                     zbuffer.leave_all_undecided();
                     break 'packet begun;
                 }
@@ -510,25 +514,38 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
         }
     }
 
-    /// Makes depth keys relative to a triangle's plane, for the packet of this space, whose last ray is in this column and
-    /// row. False where they are already, or where that is of no use.
+    /// Makes depth keys relative to a triangle's plane, for the packet of this space, whose last ray is in this column
+    /// and row. False where they are already, or where that is of no use.
     #[inline(never)]
     fn refer_to(&mut self, primitive: u32, space: &PacketSpace, last: (f32, f32)) -> bool {
         if self.reference.is_plane() || !self.decisions.are_exact() {
             return false;
         }
-        let plane = space.depth_key_in_double(self.accel.corners(primitive));
-        let reference = plane.and_then(|plane| self.reference.with_plane(plane, last));
+        let plane_of = |primitive| {
+            let key = space.depth_key_in_double(self.accel.corners(primitive))?;
+            Some(ReferencePlane { primitive, key })
+        };
+        let Some(plane) = plane_of(primitive) else {
+            return false;
+        };
+        // Distances from the last packet's plane are known.
+        let last_plane = self.decisions.last_plane().and_then(plane_of);
+        let plane = last_plane
+            .filter(|last| last.is_close_to(&plane))
+            .unwrap_or(plane);
+        let reference = self.reference.with_plane(plane, last);
         self.reference = reference.unwrap_or(self.reference);
         reference.is_some()
     }
 
-    /// Measures depths in the unit for triangles that pass the eye closely, as those do whose keys have overflowed; `view`
-    /// is the packet's. False where it is used already, or would not help.
+    /// Measures depths in the unit for triangles that pass the eye closely, as those do whose keys have overflowed;
+    /// `view` is the packet's. False where it is used already, or would not help.
     #[inline(never)]
     fn shorten_unit(&mut self, view: &Camera) -> bool {
-        let is_useful =
-            self.reference.is_in_scene_units() && self.projection != Projection::Orthographic;
+        // Where keys are multiplied few rays are left to the few triangles whose keys overflow.
+        let is_useful = self.reference.is_in_scene_units()
+            && !self.reference.is_multiplied()
+            && self.projection != Projection::Orthographic;
         if is_useful {
             let boxes = self.entry_points.iter().map(|entry| entry.1);
             self.reference = DepthReference::close(boxes, view, self.eye);

@@ -6,9 +6,13 @@ use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};
 
-/// Triangles in the cache: 2 kB, indexed by the low bits of the primitive index. Triangles with the same bits evict
-/// one another: fewer entries decide triangles again, more push the packet out of the first-level cache.
+/// Triangles in the cache at first: 2 kB, indexed by the low bits of the primitive index. Triangles with the same bits
+/// evict one another: fewer entries decide triangles again, more push the packet out of the first-level cache.
 const CACHED: usize = 256;
+
+/// The most triangles in the cache, 512 kB, which doubles when as many triangles were evicted as it has room for: where
+/// thousands lie in planes through the eye, deciding them again for each packet takes longer than reading memory.
+const MOST_CACHED: usize = 1 << 16;
 
 /// What all rays of a camera have in common.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +45,8 @@ impl Level {
         })
     }
 
-    /// Whether a point lies at the level or on the side that rays come from. Its coordinate is `tree_origin` + `relative`.
+    /// Whether a point lies at the level or on the side that rays come from. Its coordinate is `tree_origin` +
+    /// `relative`.
     fn is_not_before(self, tree_origin: f64, relative: f32) -> bool {
         let relative = f64::from(relative);
         let sum = tree_origin + relative;
@@ -74,8 +79,10 @@ pub(crate) struct EdgeOn {
     shared: Shared,
     /// The point that corners are relative to.
     tree_origin: DVec3,
-    /// Primitive indices, and whether each is edge-on.
-    decided: [(u32, bool); CACHED],
+    /// Primitive indices, and whether each is edge-on; as many as a power of two.
+    decided: Vec<(u32, bool)>,
+    /// How many were evicted since the cache last grew.
+    evicted: usize,
 }
 
 impl EdgeOn {
@@ -87,18 +94,50 @@ impl EdgeOn {
         Self {
             shared,
             tree_origin,
-            decided: [(MISS, false); CACHED],
+            decided: vec![(MISS, false); CACHED],
+            evicted: 0,
         }
     }
 
     /// Whether no ray hits the triangle for one of these reasons.
     #[inline(never)]
     pub(crate) fn is(&mut self, primitive: u32, corners: [Vec3; 3]) -> bool {
-        let at = primitive as usize % CACHED;
-        if self.decided[at].0 != primitive {
-            self.decided[at] = (primitive, self.decide(corners));
+        let at = self.entry(primitive);
+        let (stored, is) = self.decided[at];
+        if stored == primitive {
+            return is;
         }
-        self.decided[at].1
+        let is = self.decide(corners);
+        self.decided[at] = (primitive, is);
+        if stored != MISS {
+            self.evicted += 1;
+            if self.evicted > self.decided.len() && self.decided.len() < MOST_CACHED {
+                self.grow();
+            }
+        }
+        is
+    }
+
+    /// Whether the triangle is known to be edge-on.
+    #[inline(always)]
+    pub(crate) fn is_known(&self, primitive: u32) -> bool {
+        self.decided[self.entry(primitive)] == (primitive, true)
+    }
+
+    fn entry(&self, primitive: u32) -> usize {
+        primitive as usize & (self.decided.len() - 1)
+    }
+
+    /// Doubles the cache.
+    fn grow(&mut self) {
+        let doubled = vec![(MISS, false); 2 * self.decided.len()];
+        for (primitive, is) in std::mem::replace(&mut self.decided, doubled) {
+            if primitive != MISS {
+                let at = self.entry(primitive);
+                self.decided[at] = (primitive, is);
+            }
+        }
+        self.evicted = 0;
     }
 
     fn decide(&self, corners: [Vec3; 3]) -> bool {
@@ -183,6 +222,39 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Thousands of triangles, of which every third is edge-on, each asked for many times: what is known is right, and
+    /// after some rounds all of them are known.
+    #[test]
+    fn many_triangles_through_the_eye_are_decided_once() {
+        let camera = camera(DVec3::ZERO, DVec3::ONE, Projection::Perspective);
+        let mut edge_on = EdgeOn::new(&camera, DVec3::ZERO);
+        let corners = |primitive: u32| {
+            let z = if primitive.is_multiple_of(3) {
+                0.0
+            } else {
+                1.0
+            };
+            [Vec3::X, Vec3::Y, Vec3::new(-1.0, -1.0, 0.0)].map(|corner| corner.with_z(z))
+        };
+        let all = 0..3000u32;
+        for _ in 0..20 {
+            for primitive in all.clone() {
+                let expected = primitive.is_multiple_of(3);
+                assert!(expected || !edge_on.is_known(primitive));
+                assert_eq!(edge_on.is(primitive, corners(primitive)), expected);
+            }
+        }
+        assert!(
+            all.clone()
+                .all(|primitive| edge_on.is_known(primitive) == primitive.is_multiple_of(3))
+        );
+        assert_eq!(edge_on.decided.len(), 4096);
+        for primitive in 0..1 << 20 {
+            edge_on.is(primitive, corners(primitive));
+        }
+        assert_eq!(edge_on.decided.len(), MOST_CACHED);
     }
 
     /// The plane contains the eye, but not the eye's rounded position relative to the tree's origin.

@@ -111,6 +111,24 @@ impl Plane {
         (self.normal.dot(relative), self.error(relative.abs()) + off)
     }
 
+    /// The distance of an eye, off by at most `error` a coordinate; `corners` are the plane's.
+    pub(crate) fn distance_of_eye(&self, corners: [Vec3; 3], eye: DVec3, error: f64) -> (f64, f64) {
+        if error > 0.0 {
+            return self.distance_of_origin(eye, error);
+        }
+        let triangle = OffsetTriangle {
+            corners,
+            origin: DVec3::ZERO,
+        };
+        let Determinant { value, error } = distance_of_eye(eye, &triangle);
+        (value * -self.turn, error)
+    }
+
+    /// The product of a direction and the normal, and the bound on its error.
+    pub(crate) fn along(&self, direction: DVec3) -> (f64, f64) {
+        (self.normal.dot(direction), self.error(direction.abs()))
+    }
+
     /// [`Plane::distance`] in double-double arithmetic; `corners` are the plane's.
     pub(crate) fn distance_in_double_double(&self, corners: [Vec3; 3], point: Vec3) -> (f64, f64) {
         let Determinant { value, error } = plane_distance(point, corners);

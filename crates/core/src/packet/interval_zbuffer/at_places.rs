@@ -80,6 +80,9 @@ impl IntervalZBuffer {
         decisions: &mut Decisions<'_>,
     ) {
         let mut set_up = space.set_up(corners, &[WHOLE; LANES]);
+        if space.reference_plane.is_some() {
+            decisions.refine_keys(space, (corners, primitives), ALL, &mut set_up);
+        }
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
         let never_hit = if any_rough {
             self.refine(space, &mut set_up, corners, primitives, decisions)
@@ -107,8 +110,8 @@ impl IntervalZBuffer {
         self.update_hi_z(lanes);
     }
 
-    /// Merges a small triangle into the rays within its bounds, which lie in these cells (as bits). Returns whether any of
-    /// them may hit it.
+    /// Merges a small triangle into the rays within its bounds, which lie in these cells (as bits). Returns whether any
+    /// of them may hit it.
     #[inline(always)]
     pub(in crate::packet) fn rasterize_small_at(
         &mut self,

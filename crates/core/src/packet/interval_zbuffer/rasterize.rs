@@ -5,7 +5,7 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
-use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
+use super::{ALL, IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
@@ -27,8 +27,8 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 
 /// The number of undecided orders in the rows of a cell beyond which a triangle is first compared with the cell's
 /// stored triangles by their planes: as many as two triangles that cover the cell cause. With a smaller number, cells
-/// where a few triangles touch are compared for nothing (casting `assets/dahlia.obj` took 7 % longer); with a larger one,
-/// layers are merged ray by ray for longer.
+/// where a few triangles touch are compared for nothing (casting `assets/dahlia.obj` took 7 % longer); with a larger
+/// one, layers are merged ray by ray for longer.
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
 
 impl IntervalZBuffer {
@@ -45,7 +45,10 @@ impl IntervalZBuffer {
     ) -> u32 {
         let mut which = 0;
         if decisions.are_exact() {
-            for l in 0..primitives.len().min(LANES) {
+            for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+                if set_up.ill_conditioned[l] && decisions.is_known_never_hit(primitive) {
+                    set_up.boxes[l].right = -1;
+                }
                 which |= u32::from(set_up.is_rough[l] && set_up.boxes[l].right >= 0) << l;
             }
         }
@@ -59,6 +62,7 @@ impl IntervalZBuffer {
             };
             dispatch(decisions.simd(), work);
             self.overflowed |= set_up.overflows;
+            decisions.refine_keys(space, (corners, primitives), which, set_up);
         }
         let mut never_hit = 0;
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
@@ -72,8 +76,8 @@ impl IntervalZBuffer {
         never_hit
     }
 
-    /// Empties the bounds of rough triangles that are occluded by as much as is known of their depths: they need not be set up
-    /// again.
+    /// Empties the bounds of rough triangles that are occluded by as much as is known of their depths: they need not be
+    /// set up again.
     #[inline(never)]
     fn cull_rough(&self, set_up: &mut TriangleSetup) {
         for l in 0..LANES {
@@ -100,6 +104,9 @@ impl IntervalZBuffer {
         decisions: &mut Decisions<'_>,
     ) {
         let mut set_up = space.set_up(corners, boxes);
+        if space.reference_plane.is_some() {
+            decisions.refine_keys(space, (corners, primitives), ALL, &mut set_up);
+        }
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
         if any_rough {
             self.cull_rough(&mut set_up);

@@ -33,10 +33,13 @@ pub(crate) struct PacketSpace {
     /// B/D; one for orthographic packets.
     pub(in crate::packet) obliqueness: f64,
     pub(in crate::packet) rays: PacketRays,
-    /// The reference of depth keys.
+    /// The reference of depth keys, and the bound on its error, that of moving it within the packet included.
     pub(in crate::packet) reference: Linear,
-    /// The error of moving it within the packet.
     pub(in crate::packet) reference_error: f64,
+    /// The triangle whose plane is the reference.
+    pub(in crate::packet) reference_plane: Option<u32>,
+    /// The factor of depth keys.
+    pub(in crate::packet) key_factor: f64,
     /// Units of depth to one of the scene's. T maps to these, and all that is derived for T holds in these.
     pub(in crate::packet) units: f64,
 }
@@ -91,8 +94,10 @@ impl Packet {
                 distance,
                 greatest,
             },
-            reference: DepthReference::NONE.function(),
+            reference: Linear::ZERO,
             reference_error: 0.0,
+            reference_plane: None,
+            key_factor: 1.0,
             units: 1.0,
         }
     }
@@ -154,13 +159,15 @@ impl PacketSpace {
     /// The same space, with depth keys relative to a reference and of its units.
     pub(in crate::packet) fn relative_to(self, reference: DepthReference) -> Self {
         let units = reference.units();
-        let function = reference.function();
+        let (function, error) = reference.function();
         Self {
             reference: function,
             reference_error: match reference.is_plane() {
-                true => 8.0 * EPSILON * function.reach(),
+                true => error + 8.0 * EPSILON * function.reach(),
                 false => 0.0,
             },
+            reference_plane: reference.plane(),
+            key_factor: reference.factor(),
             map: self.map.map(|row| row * units),
             units,
             ..self

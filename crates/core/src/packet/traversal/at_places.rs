@@ -140,6 +140,13 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
                 );
                 self.counts.triangles += primitives.len() as u64;
                 self.queued.len = 0;
+                if zbuffer.wants_single_rays()
+                    && zbuffer.has_overflowed()
+                    && self.reference.is_multiplied()
+                {
+                    self.reference = self.reference.not_multiplied();
+                    continue 'packet;
+                }
                 if zbuffer.has_overflowed() && self.shorten_unit(&places.view) {
                     continue 'packet;
                 }
@@ -177,8 +184,8 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         };
     }
 
-    /// Merges one of the batch's triangles if it is small, and queues it for set-up otherwise; neither where it is occluded.
-    /// Returns how many rays it may cover.
+    /// Merges one of the batch's triangles if it is small, and queues it for set-up otherwise; neither where it is
+    /// occluded. Returns how many rays it may cover.
     #[inline(always)]
     fn queue_or_merge(
         &mut self,

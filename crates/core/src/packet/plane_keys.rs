@@ -1,0 +1,416 @@
+//! Depth keys relative to a plane, from the distances of triangles' corners from it: where layers lie closer together
+//! than double precision distinguishes their depths, these are as accurate as the layers are thin.
+//!
+//! With sₖ the signed distances of a triangle's corners from the plane, its normal N turned to the side that rays go
+//! to, and Eₖ the triangle's edge functions, positive inside, a ray hits the triangle at the distance s = F/ΣEₖ from
+//! the plane, F = ΣsₖEₖ ([`plane_order`](super::plane_order)). In perspective the inverse depths of the two along the
+//! ray differ by −s/(hz), with h the distance of the plane from the eye and z the depth of the hit; and as 1/z =
+//! ΣEₖ/|P₀·n| ([`setup`](super::setup)), by
+//!
+//! −F(i, j) / (h·|P₀·n|),
+//!
+//! which is linear in i and j. Negated depths along parallel rays of direction d differ by the same, with N·d for h and
+//! n₃ for P₀·n.
+//!
+//! # Error bound
+//! ε = 2⁻⁵³. F is off as in [`plane_order`](super::plane_order): by what its edge functions and distances are, and 6ε of its
+//! terms. h and P₀·n are off by a quarter of themselves at most, so that a quotient by both is off by 16/9 of what F is off
+//! by, and by 1.8 of itself times what they are off by, relative to themselves: we take 2 of each. Roundings of the
+//! quotient and of moving it within the packet are ε of what [`LINEAR_ERROR`] takes. Rays beside their places move edge
+//! functions, and nothing else: the plane is met by the same ray.
+
+use super::plane_order::{are_accurate, turned, unless_shared, weighted_sum};
+use super::setup::{
+    Edges, FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, TriangleSetup,
+};
+use crate::num::simd::LANES;
+use crate::triangle::CornerLanes;
+use crate::triangle::coplanar::share_plane_of_axis;
+use crate::triangle::exact::distances_from_plane;
+use crate::triangle::plane::Plane;
+use glam::Vec3;
+
+/// Exact distances in the cache, 32 bytes each, allocated when the first is computed. A lattice's packets compute those
+/// of the layers that they share once. With fewer, layers that all packets show are computed for each.
+const CACHED: usize = 1 << 15;
+
+/// The error of a key, as a share of what single precision rounds it by, from which on it is computed from distances.
+/// With a lesser limit keys are computed again for nothing; with a greater one fewer layers are told apart.
+const COARSE: f64 = 1.5;
+
+/// The plane that a packet's depth keys are relative to.
+#[derive(Debug)]
+pub(super) struct PlaneKeys {
+    /// The triangle whose plane it is, and its corners.
+    primitive: u32,
+    corners: [Vec3; 3],
+    /// The plane, turned to the side that rays go to, with the factor of F/|P₀·n| and its relative error; `None` where
+    /// keys are not relative to a plane, or too little is known of it.
+    packet: Option<(Plane, (f64, f64))>,
+    /// Exact distances of triangles' corners from the plane, by the low bits of the primitive index, with the indices
+    /// of both.
+    exact: Vec<([u32; 2], [f64; 3])>,
+}
+
+/// Entries of the cache that hold nothing.
+const NOTHING: ([u32; 2], [f64; 3]) = ([u32::MAX; 2], [0.0; 3]);
+
+impl PlaneKeys {
+    pub(super) fn new() -> Self {
+        Self {
+            primitive: u32::MAX,
+            corners: [Vec3::ZERO; 3],
+            packet: None,
+            exact: Vec::new(),
+        }
+    }
+
+    /// The triangle whose plane keys were last relative to, if any.
+    pub(super) fn last(&self) -> Option<u32> {
+        (self.primitive != u32::MAX).then_some(self.primitive)
+    }
+
+    /// Begins a packet whose depth keys are not relative to a plane.
+    pub(super) fn clear(&mut self) {
+        self.packet = None;
+    }
+
+    /// Begins a packet whose depth keys are relative to the plane of a triangle.
+    pub(super) fn set(&mut self, space: &PacketSpace, primitive: u32, corners: [Vec3; 3]) {
+        (self.primitive, self.corners) = (primitive, corners);
+        self.packet = turned(space, corners).and_then(|plane| {
+            let (across, error) = match space.perspective {
+                true => plane.distance_of_eye(corners, space.origin, space.origin_error),
+                false => plane.along(space.rays.direction),
+            };
+            let share = error / across.abs();
+            // NaN fails this comparison.
+            (share < 0.25).then_some((plane, (space.key_factor / across.abs(), share)))
+        });
+    }
+
+    /// Makes the depth keys of eight triangles, as bits `which` of them, more accurate where that is possible.
+    #[inline(never)]
+    pub(super) fn refine(
+        &mut self,
+        space: &PacketSpace,
+        (corners, primitives): (&CornerLanes, &[u32]),
+        which: u32,
+        out: &mut TriangleSetup,
+    ) {
+        if self.packet.is_none() {
+            return;
+        }
+        for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            let span = FunctionDomain::of(&out.boxes[l]);
+            let is_asked = which >> l & 1 != 0 && out.boxes[l].right >= 0;
+            if !is_asked || !is_coarse(out, l, &span) {
+                continue;
+            }
+            let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
+            let corners = [
+                Vec3::new(ax[l], ay[l], az[l]),
+                Vec3::new(bx[l], by[l], bz[l]),
+                Vec3::new(cx[l], cy[l], cz[l]),
+            ];
+            if let Some((key, edges)) = self.key(space, primitive, corners) {
+                out.improve_key(l, key, &edges, &span);
+            }
+        }
+    }
+
+    /// A triangle's depth key over the whole packet, with the bound on its error but for single precision's; and its
+    /// edge functions.
+    fn key(
+        &mut self,
+        space: &PacketSpace,
+        primitive: u32,
+        corners: [Vec3; 3],
+    ) -> Option<((Linear, f64), Edges)> {
+        let (plane, (factor, factor_error)) = self.packet?;
+        let distances = self.distances(&plane, primitive, corners);
+        let by = |PacketFunctions { edges, facing }: PacketFunctions| {
+            let (facing, facing_error) = facing;
+            let (sum, error) = weighted_sum(distances, &edges);
+            let facing = facing.abs();
+            let factor = factor / facing;
+            let key = sum.times(-factor);
+            let shares = factor_error + facing_error / facing;
+            let error = 2.0 * factor * error + 2.0 * key.reach() * shares;
+            // NaN fails this comparison.
+            (error < f64::INFINITY).then_some(((key, error), edges))
+        };
+        let in_double = space.functions_in_double(corners).and_then(by);
+        if let Some(((key, error), _)) = in_double
+            && error <= LINEAR_ERROR * key.reach()
+        {
+            return in_double;
+        }
+        let closer = space.functions_componentwise(corners).and_then(by);
+        match (in_double, closer) {
+            (Some(((_, error), _)), Some(((_, closer_error), _))) if error <= closer_error => {
+                in_double
+            }
+            _ => closer.or(in_double),
+        }
+    }
+
+    /// Distances of a triangle's corners from the plane, each with its error: by as much arithmetic as tells them from
+    /// zero.
+    fn distances(&mut self, plane: &Plane, primitive: u32, points: [Vec3; 3]) -> [(f64, f64); 3] {
+        let pair = [&self.corners, &points];
+        let known = unless_shared(pair, points.map(|point| plane.distance(point)));
+        if are_accurate(known) {
+            return known;
+        }
+        let of = [self.primitive, primitive];
+        let entry = primitive as usize % CACHED;
+        if let Some((_, exact)) = self.exact.get(entry).filter(|entry| entry.0 == of) {
+            return plane.with_bounds(*exact);
+        }
+        let may_lie_in_plane = (known.iter()).all(|(distance, error)| distance.abs() <= *error);
+        if may_lie_in_plane && share_plane_of_axis(self.corners, points) {
+            return [(0.0, 0.0); 3];
+        }
+        if !may_lie_in_plane {
+            let distance = |point| plane.distance_in_double_double(self.corners, point);
+            let known = unless_shared(pair, points.map(distance));
+            if are_accurate(known) {
+                return known;
+            }
+        }
+        let exact = distances_from_plane(points, self.corners);
+        if self.exact.is_empty() {
+            self.exact.resize(CACHED, NOTHING);
+        }
+        self.exact[entry] = (of, exact);
+        plane.with_bounds(exact)
+    }
+}
+
+/// Whether a triangle's depth key is off by more than single precision rounds it by.
+fn is_coarse(set_up: &TriangleSetup, l: usize, span: &FunctionDomain) -> bool {
+    let [constant, x, y] = set_up
+        .depth_key
+        .map(|coefficient| f64::from(coefficient[l]));
+    let spread = Linear { constant, x, y }.size(span);
+    // NaN is.
+    let is_fine = f64::from(set_up.depth_key_error[l]) <= COARSE * LINEAR_ERROR * spread;
+    !is_fine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, ImagePlane, Pose, Projection};
+    use crate::hit::Cull;
+    use crate::packet::depth_reference::{DepthReference, ReferencePlane};
+    use crate::packet::params::SIDE;
+    use crate::packet::ray_box::RayBox;
+    use crate::packet::setup_tests::{camera, lanes_of, space};
+    use crate::random::Random;
+    use crate::ray::Ray;
+    use crate::triangle::exact::{self, OffsetTriangle};
+    use glam::DVec3;
+    use std::cmp::Ordering;
+
+    const ALL: RayBox = RayBox {
+        left: 0,
+        right: SIDE as i32 - 1,
+        top: 0,
+        bottom: SIDE as i32 - 1,
+    };
+
+    /// A triangle of the plane z = mx + ny, whose corners with z = 0 are moved off it by some of the least numbers of
+    /// single precision; all are where one in the plane z = 0 is not tilted.
+    fn layer(random: &mut Random, [m, n]: [f64; 2]) -> [Vec3; 3] {
+        let layer = (random.signed() * 2000.0) as f32 * f32::from_bits(1);
+        [(); 3].map(|()| {
+            let mut whole = || (random.signed() * 64.0).round() / 16.0;
+            let (x, y) = (whole(), whole());
+            let on_axis = m != 0.0 && random.unit() < 0.5;
+            // The plane meets z = 0 along (n, −m).
+            let (x, y) = if on_axis { (n * x, -m * x) } else { (x, y) };
+            let z = (m * x + n * y) as f32;
+            let z = if z == 0.0 { layer } else { z };
+            Vec3::new(x as f32, y as f32, z)
+        })
+    }
+
+    /// Keys tell layers apart that lie closer together than double precision distinguishes their depths, along an axis'
+    /// plane and along tilted ones, and in the right order.
+    #[test]
+    fn layers_subnormal_numbers_apart_are_in_order() {
+        let mut random = Random(121);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let (mut both, mut ordered) = (0, 0);
+            for round in 0..600 {
+                let tilt = [[0.0, 0.0], [1.0, 2.0], [-3.0, 1.0]][round % 3];
+                let camera = camera(&mut random, DVec3::ZERO, projection, 0.05);
+                let mut space = space(&camera, DVec3::ZERO, Cull::None);
+                let triangles = [(); LANES].map(|()| layer(&mut random, tilt));
+                let Some(key) = space.depth_key_in_double(triangles[0]) else {
+                    continue;
+                };
+                let plane = ReferencePlane { primitive: 0, key };
+                let reference = DepthReference::NONE.with_plane(plane, (31.0, 31.0));
+                space = space.relative_to(reference.expect("a key in range"));
+                let corners = lanes_of(triangles);
+                let mut set_up = space.set_up(&corners, &[ALL; LANES]);
+                let mut keys = PlaneKeys::new();
+                keys.set(&space, 0, triangles[0]);
+                let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
+                // Twice: the second time exact distances are known.
+                for _ in 0..2 {
+                    keys.refine(&space, (&corners, &primitives), u32::MAX, &mut set_up);
+                }
+                for l in 1..LANES {
+                    let pair = [l - 1, l];
+                    if pair.iter().any(|&l| set_up.ill_conditioned[l]) {
+                        continue;
+                    }
+                    for at in (0..SIDE * SIDE).step_by(41) {
+                        let (x, y) = (at % SIDE, at / SIDE);
+                        let ray = camera.ray(x as f64 + 0.5, y as f64 + 0.5);
+                        let [first, second] = pair.map(|l| OffsetTriangle {
+                            corners: triangles[l],
+                            origin: DVec3::ZERO,
+                        });
+                        let order = exact::compare(&ray, &first, &second, Cull::None);
+                        let Some(order) = order.filter(|order| order.is_ne()) else {
+                            continue;
+                        };
+                        both += 1;
+                        let [first, second] = pair.map(|l| {
+                            let [constant, across, along] = set_up.depth_key.map(|f| f[l]);
+                            let key = constant + across * x as f32 + along * y as f32;
+                            let error = set_up.depth_key_error[l];
+                            (key - error, key + error)
+                        });
+                        if first.0 > second.1 {
+                            assert_eq!(order, Ordering::Less, "{triangles:?}");
+                        } else if second.0 > first.1 {
+                            assert_eq!(order, Ordering::Greater, "{triangles:?}");
+                        } else {
+                            continue;
+                        }
+                        ordered += 1;
+                    }
+                }
+            }
+            assert!(both > 2000, "{both}");
+            assert!(ordered * 100 > both * 97, "{ordered} of {both}");
+        }
+    }
+
+    /// Compares a triangle's key with that of its hits, in double precision, and returns the number of hits.
+    fn check(
+        (camera, tree_origin): (&Camera, DVec3),
+        reference: [Vec3; 3],
+        corners: [Vec3; 3],
+        rays: impl Iterator<Item = [f64; 2]>,
+    ) -> usize {
+        let space = space(camera, tree_origin, Cull::None);
+        let mut keys = PlaneKeys::new();
+        keys.set(&space, 0, reference);
+        let Some(((key, error), _)) = keys.key(&space, 1, corners) else {
+            return 0;
+        };
+        let mut hits = 0;
+        for [x, y] in rays {
+            let ray = camera.ray(x + 0.5, y + 0.5);
+            let t_min = if space.perspective { 0.0 } else { -1e99 };
+            let ray = Ray { t_min, ..ray };
+            let hit = |corners| {
+                let triangle = OffsetTriangle {
+                    corners,
+                    origin: tree_origin,
+                };
+                exact::hit(&ray, &triangle, Cull::None, 0)
+            };
+            let (Some(hit), Some(of_plane)) = (hit(corners), hit(reference)) else {
+                continue;
+            };
+            let along = ray.direction.dot(space.map[2]);
+            let [of_hit, of_plane] = [hit, of_plane].map(|hit| match space.perspective {
+                true => 1.0 / (hit.t * along),
+                false => -hit.t * along,
+            });
+            let value = key.constant + key.x * x + key.y * y;
+            let roundings = 1e-14 * (of_hit.abs() + of_plane.abs());
+            let off = (value - (of_hit - of_plane)).abs();
+            assert!(
+                off <= error + roundings,
+                "{off} {error} {of_hit} {of_plane}"
+            );
+            hits += 1;
+        }
+        hits
+    }
+
+    /// Eyes that are rounded by a hundredth of their distance from one of two planes. Without the error of the plane's
+    /// distance from the eye this fails, and without that of the triangle's.
+    #[test]
+    fn keys_next_to_the_eye_are_within_their_bounds() {
+        let mut random = Random(122);
+        let mut hits = [0; 2];
+        let tree_origin = DVec3::X * 1e-9;
+        let middle = f64::from(1 << 25);
+        for round in 0..4000 {
+            // Coordinates there are multiples of 2⁻²⁸, and single precision's of 4.
+            let eye = DVec3::X * (middle - random.decades(-7.5, -6.0));
+            let aim = DVec3::new(1.0, 0.3 * random.signed(), 0.3 * random.signed());
+            let plane = ImagePlane::new(32, 32, 0.02).expect("a good plane");
+            let pose = Pose::towards(eye, eye + aim);
+            let camera = Camera::new(pose, Projection::Perspective, plane);
+            let mut across = |x: f64| {
+                let tilted = |random: &mut Random| x + (random.unit() * 4.0).floor() * 4.0;
+                let mut corner = |y: f64, z: f64| {
+                    let x = if x > middle { tilted(&mut random) } else { x };
+                    DVec3::new(x, y, z).as_vec3()
+                };
+                [corner(-64.0, -64.0), corner(64.0, -64.0), corner(0.0, 96.0)]
+            };
+            let (close, far) = (across(middle), across(middle + 4.0));
+            let pair = if round % 2 == 0 {
+                [close, far]
+            } else {
+                [far, close]
+            };
+            let rays = (0..1024)
+                .step_by(101)
+                .map(|at| [(at % 32) as f64, (at / 32) as f64]);
+            hits[round % 2] += check((&camera, tree_origin), pair[0], pair[1], rays);
+        }
+        assert!(hits.iter().all(|&hits| hits > 1000), "{hits:?}");
+    }
+
+    /// Parallel rays that are parallel to one of two planes but for roundings. Without the error of the plane's slope
+    /// this fails, and without that of the triangle's.
+    #[test]
+    fn keys_of_planes_along_the_view_are_within_their_bounds() {
+        let mut random = Random(123);
+        let mut hits = [0; 2];
+        for round in 0..40_000 {
+            let along = [(); 3].map(|()| random.point().as_vec3());
+            let across = [(); 3].map(|()| (random.point() * 2.0).as_vec3());
+            let [a, b, c] = along.map(Vec3::as_dvec3);
+            let normal = (b - a).cross(c - a).normalize();
+            let aim = (b - a) + (c - a) * random.signed() + normal * random.decades(-14.5, -12.0);
+            let inside = a + (b - a) * 0.3 + (c - a) * 0.3;
+            let plane = ImagePlane::new(32, 32, 1e-16).expect("a good plane");
+            let pose = Pose::towards(inside - aim, inside);
+            let camera = Camera::new(pose, Projection::Orthographic, plane);
+            let pair = if round % 2 == 0 {
+                [along, across]
+            } else {
+                [across, along]
+            };
+            let rays = (0..1024)
+                .step_by(201)
+                .map(|at| [(at % 32) as f64, (at / 32) as f64]);
+            hits[round % 2] += check((&camera, DVec3::ZERO), pair[0], pair[1], rays);
+        }
+        assert!(hits.iter().all(|&hits| hits > 1000), "{hits:?}");
+    }
+}
