@@ -1,5 +1,6 @@
 //! Numeric basics that every module may use: exact arithmetic, and SIMD lanes in single precision.
 
+pub(crate) mod accumulator;
 pub(crate) mod choice;
 pub(crate) mod double_double;
 pub(crate) mod exact;

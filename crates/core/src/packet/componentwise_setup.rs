@@ -42,9 +42,9 @@
 
 use super::setup::{
     FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, REACH, TriangleSetup,
+    is_negative,
 };
 use crate::hit::Cull;
-use crate::num::choice::greater;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::exact::OffsetTriangle;
@@ -243,14 +243,6 @@ impl Work for ComponentwiseSetup<'_> {
     }
 }
 
-/// Whether an edge function relative to a span's first ray is surely negative everywhere in the span.
-#[inline(always)]
-fn is_negative(function: Linear, error: f64, span: &FunctionDomain) -> bool {
-    let across = greater(function.x * span.across, 0.0);
-    let along = greater(function.y * span.along, 0.0);
-    function.constant + across + along < -error
-}
-
 #[inline(always)]
 fn corners_in_lane([ax, ay, az, bx, by, bz, cx, cy, cz]: &CornerLanes, l: usize) -> [DVec3; 3] {
     [
@@ -270,35 +262,8 @@ impl PacketSpace {
         let mut culled = (self.cull == Cull::Back) & (facing > 0.0);
         let span = FunctionDomain::of(&out.boxes[l]);
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
-        let mut greatest_error = 0.0;
-        let mut is_sound = true;
-        for (edge, (function, error)) in functions.edges.iter().enumerate() {
-            let function = function.moved(&span);
-            let magnitude = function.size(&span);
-            let unit = sign / magnitude;
-            let function = function.times(unit);
-            let error = error / magnitude;
-            culled |= is_negative(function, error, &span);
-            let error = (error + LINEAR_ERROR) * 1.001;
-            // If it is not, the other two may still have different signs.
-            let edge_is_sound = (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
-            is_sound &= edge_is_sound;
-            let is_greater = edge_is_sound & (error > greatest_error);
-            greatest_error = if is_greater { error } else { greatest_error };
-            let terms = [function.constant, function.x, function.y];
-            for (out, term) in out.edges[edge].iter_mut().zip(terms) {
-                let term = if edge_is_sound { term as f32 } else { 0.0 };
-                out[l] = if is_asked { term } else { out[l] };
-            }
-            let scales = &mut out.edge_scales[edge];
-            scales[l] = if is_asked { magnitude } else { scales[l] };
-        }
-        let edge_error = &mut out.edge_error[l];
-        *edge_error = if is_asked {
-            greatest_error as f32
-        } else {
-            *edge_error
-        };
+        let (is_sound, is_missed) = out.store_edges(&functions.edges, sign, (l, is_asked), &span);
+        culled |= is_missed;
 
         let inverse = self.key_factor / (facing * self.rays.distance * self.units);
         let (numerator, numerator_error) = functions.numerator;

@@ -120,16 +120,14 @@ impl<'a> Decisions<'a> {
         self.plane_keys.last()
     }
 
-    /// Makes the depth keys of eight triangles, as bits `which` of them, more accurate where keys are relative to a
-    /// plane.
+    /// Sets up those of eight triangles again whose depth keys are coarse, where keys are relative to a plane.
     pub(super) fn refine_keys(
         &mut self,
         space: &PacketSpace,
         triangles: (&CornerLanes, &[u32]),
-        which: u32,
         set_up: &mut TriangleSetup,
     ) {
-        self.plane_keys.refine(space, triangles, which, set_up);
+        self.plane_keys.refine(space, triangles, set_up);
     }
 
     /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys

@@ -21,7 +21,7 @@
 
 use super::plane_order::{are_accurate, turned, unless_shared, weighted_sum};
 use super::setup::{
-    Edges, FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, TriangleSetup,
+    FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, TriangleSetup,
 };
 use crate::num::simd::LANES;
 use crate::triangle::CornerLanes;
@@ -37,6 +37,9 @@ const CACHED: usize = 1 << 15;
 /// The error of a key, as a share of what single precision rounds it by, from which on it is computed from distances.
 /// With a lesser limit keys are computed again for nothing; with a greater one fewer layers are told apart.
 const COARSE: f64 = 1.5;
+
+/// The greatest error of h and of P₀·n, as a share of them. The bound of the quotient is derived from it.
+const MOST_SHARE: f64 = 0.25;
 
 /// The plane that a packet's depth keys are relative to.
 #[derive(Debug)]
@@ -85,17 +88,16 @@ impl PlaneKeys {
             };
             let share = error / across.abs();
             // NaN fails this comparison.
-            (share < 0.25).then_some((plane, (space.key_factor / across.abs(), share)))
+            (share < MOST_SHARE).then_some((plane, (space.key_factor / across.abs(), share)))
         });
     }
 
-    /// Makes the depth keys of eight triangles, as bits `which` of them, more accurate where that is possible.
+    /// Sets up those of eight triangles again whose depth keys are coarse.
     #[inline(never)]
     pub(super) fn refine(
         &mut self,
         space: &PacketSpace,
         (corners, primitives): (&CornerLanes, &[u32]),
-        which: u32,
         out: &mut TriangleSetup,
     ) {
         if self.packet.is_none() {
@@ -103,8 +105,7 @@ impl PlaneKeys {
         }
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             let span = FunctionDomain::of(&out.boxes[l]);
-            let is_asked = which >> l & 1 != 0 && out.boxes[l].right >= 0;
-            if !is_asked || !is_coarse(out, l, &span) {
+            if out.boxes[l].right < 0 || !is_coarse(out, l, &span) {
                 continue;
             }
             let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
@@ -113,51 +114,52 @@ impl PlaneKeys {
                 Vec3::new(bx[l], by[l], bz[l]),
                 Vec3::new(cx[l], cy[l], cz[l]),
             ];
-            if let Some((key, edges)) = self.key(space, primitive, corners) {
-                out.improve_key(l, key, &edges, &span);
+            let distances = self.distances(primitive, corners);
+            let in_double = space.functions_in_double(corners);
+            let in_double = in_double.and_then(|functions| self.key(distances, functions));
+            if let Some((functions, key)) = in_double
+                && key.1 <= LINEAR_ERROR * key.0.moved(&span).size(&span)
+                && functions.are_edges_smooth(&span)
+            {
+                out.store(space, l, &functions, key);
+                continue;
+            }
+            let closer = space.functions_componentwise(corners);
+            let closer = closer.and_then(|functions| self.key(distances, functions));
+            // NaN is not better.
+            let is_better =
+                |error: f64| out.ill_conditioned[l] || error < f64::from(out.depth_key_error[l]);
+            if let Some((functions, key)) = closer.or(in_double).filter(|it| is_better(it.1.1)) {
+                out.store(space, l, &functions, key);
             }
         }
     }
 
-    /// A triangle's depth key over the whole packet, with the bound on its error but for single precision's; and its
-    /// edge functions.
+    /// A triangle's depth key over the whole packet, with the bound on its error but for single precision's, from the
+    /// distances of its corners and its functions, which are returned too. `None` where nothing is known of it.
     fn key(
-        &mut self,
-        space: &PacketSpace,
-        primitive: u32,
-        corners: [Vec3; 3],
-    ) -> Option<((Linear, f64), Edges)> {
-        let (plane, (factor, factor_error)) = self.packet?;
-        let distances = self.distances(&plane, primitive, corners);
-        let by = |PacketFunctions { edges, facing }: PacketFunctions| {
-            let (facing, facing_error) = facing;
-            let (sum, error) = weighted_sum(distances, &edges);
-            let facing = facing.abs();
-            let factor = factor / facing;
-            let key = sum.times(-factor);
-            let shares = factor_error + facing_error / facing;
-            let error = 2.0 * factor * error + 2.0 * key.reach() * shares;
-            // NaN fails this comparison.
-            (error < f64::INFINITY).then_some(((key, error), edges))
-        };
-        let in_double = space.functions_in_double(corners).and_then(by);
-        if let Some(((key, error), _)) = in_double
-            && error <= LINEAR_ERROR * key.reach()
-        {
-            return in_double;
-        }
-        let closer = space.functions_componentwise(corners).and_then(by);
-        match (in_double, closer) {
-            (Some(((_, error), _)), Some(((_, closer_error), _))) if error <= closer_error => {
-                in_double
-            }
-            _ => closer.or(in_double),
-        }
+        &self,
+        distances: [(f64, f64); 3],
+        functions: PacketFunctions,
+    ) -> Option<(PacketFunctions, (Linear, f64))> {
+        let (_, (factor, factor_error)) = self.packet?;
+        let (sum, error) = weighted_sum(distances, &functions.edges);
+        let (facing, facing_error) = functions.facing;
+        let facing_error = facing_error / facing.abs();
+        let factor = factor / facing.abs();
+        let key = sum.times(-factor);
+        let error = 2.0 * factor * error + 2.0 * key.reach() * (factor_error + facing_error);
+        // NaN fails these comparisons.
+        let is_known = facing_error < MOST_SHARE && error < f64::INFINITY;
+        is_known.then_some((functions, (key, error)))
     }
 
     /// Distances of a triangle's corners from the plane, each with its error: by as much arithmetic as tells them from
     /// zero.
-    fn distances(&mut self, plane: &Plane, primitive: u32, points: [Vec3; 3]) -> [(f64, f64); 3] {
+    fn distances(&mut self, primitive: u32, points: [Vec3; 3]) -> [(f64, f64); 3] {
+        let Some((plane, _)) = self.packet else {
+            return [(0.0, f64::INFINITY); 3];
+        };
         let pair = [&self.corners, &points];
         let known = unless_shared(pair, points.map(|point| plane.distance(point)));
         if are_accurate(known) {
@@ -262,7 +264,7 @@ mod tests {
                 let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
                 // Twice: the second time exact distances are known.
                 for _ in 0..2 {
-                    keys.refine(&space, (&corners, &primitives), u32::MAX, &mut set_up);
+                    keys.refine(&space, (&corners, &primitives), &mut set_up);
                 }
                 for l in 1..LANES {
                     let pair = [l - 1, l];
@@ -313,9 +315,15 @@ mod tests {
         let space = space(camera, tree_origin, Cull::None);
         let mut keys = PlaneKeys::new();
         keys.set(&space, 0, reference);
-        let Some(((key, error), _)) = keys.key(&space, 1, corners) else {
-            return 0;
-        };
+        let distances = keys.distances(1, corners);
+        let functions = [
+            space.functions_in_double(corners),
+            space.functions_componentwise(corners),
+        ];
+        let found = functions.into_iter().flatten();
+        let found: Vec<_> = found
+            .filter_map(|functions| keys.key(distances, functions))
+            .collect();
         let mut hits = 0;
         for [x, y] in rays {
             let ray = camera.ray(x + 0.5, y + 0.5);
@@ -336,14 +344,16 @@ mod tests {
                 true => 1.0 / (hit.t * along),
                 false => -hit.t * along,
             });
-            let value = key.constant + key.x * x + key.y * y;
             let roundings = 1e-14 * (of_hit.abs() + of_plane.abs());
-            let off = (value - (of_hit - of_plane)).abs();
-            assert!(
-                off <= error + roundings,
-                "{off} {error} {of_hit} {of_plane}"
-            );
-            hits += 1;
+            for (_, (key, error)) in &found {
+                let value = key.constant + key.x * x + key.y * y;
+                let off = (value - (of_hit - of_plane)).abs();
+                assert!(
+                    off <= error + roundings,
+                    "{off} {error} {of_hit} {of_plane}"
+                );
+                hits += 1;
+            }
         }
         hits
     }

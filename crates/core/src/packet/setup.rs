@@ -92,6 +92,14 @@ fn are_edges_smooth(error: f64, least: f64, magnitude: f64) -> bool {
     (error < MOST_SMOOTH) & (least > UNBALANCED * magnitude)
 }
 
+/// Whether an edge function relative to a span's first ray is surely negative everywhere in the span.
+#[inline(always)]
+pub(super) fn is_negative(function: Linear, error: f64, span: &FunctionDomain) -> bool {
+    let across = greater(function.x * span.across, 0.0);
+    let along = greater(function.y * span.along, 0.0);
+    function.constant + across + along < -error
+}
+
 /// Edge functions over a whole packet, positive inside, each with the bound on its error.
 pub(super) type Edges = [(Linear, f64); 3];
 
@@ -132,6 +140,16 @@ pub(crate) struct TriangleSetup {
     pub(crate) is_rough: [bool; LANES],
 }
 
+impl PacketFunctions {
+    /// Whether componentwise bounds of the edge functions would gain little in a span.
+    pub(super) fn are_edges_smooth(&self, span: &FunctionDomain) -> bool {
+        let [(e, error), (f, _), (g, _)] = self.edges;
+        let [e, f, g] = [e, f, g].map(|edge| edge.moved(span).size(span));
+        let (least, magnitude) = (lesser(lesser(e, f), g), greater(greater(e, f), g));
+        are_edges_smooth(error / magnitude + LINEAR_ERROR, least, magnitude)
+    }
+}
+
 impl TriangleSetup {
     /// An upper bound of a triangle's depth key at the places of a lattice's rays within its bounds; infinite where
     /// nothing is sure.
@@ -146,30 +164,75 @@ impl TriangleSetup {
         constant + across + along + self.depth_key_error[l]
     }
 
-    /// Replaces a triangle's depth key by one with this bound on its error, but for its roundings in single precision,
-    /// if that is more accurate. The key and the edge functions are those over the whole packet.
-    pub(super) fn improve_key(
+    /// Stores the edge functions of lane `l`, if it is asked for, each in a scale of its own; times `sign` they are
+    /// positive inside. Whether they have scales, and whether one is surely negative in all of the span.
+    #[inline(always)]
+    pub(super) fn store_edges(
         &mut self,
-        l: usize,
-        (key, error): (Linear, f64),
         edges: &Edges,
+        sign: f64,
+        (l, is_asked): (usize, bool),
         span: &FunctionDomain,
-    ) {
-        let key = key.moved(span);
-        let spread = key.size(span);
-        let error = ((error + spread * LINEAR_ERROR) * 1.001) as f32 + f32::MIN_POSITIVE;
-        if spread < f64::from(f32::MAX) && error < self.depth_key_error[l] {
-            let terms = [key.constant, key.x, key.y];
-            for (out, term) in self.depth_key.iter_mut().zip(terms) {
-                out[l] = term as f32;
+    ) -> (bool, bool) {
+        let mut greatest_error = 0.0;
+        let (mut are_sound, mut is_missed) = (true, false);
+        for (edge, (function, error)) in edges.iter().enumerate() {
+            let function = function.moved(span);
+            let magnitude = function.size(span);
+            let unit = sign / magnitude;
+            let function = function.times(unit);
+            let error = error / magnitude;
+            is_missed |= is_negative(function, error, span);
+            let error = (error + LINEAR_ERROR) * 1.001;
+            // If it is not, the other two may still have different signs.
+            let is_sound = (magnitude > 0.0) & (magnitude < f64::INFINITY) & (error < 1.0);
+            are_sound &= is_sound;
+            let is_greater = is_sound & (error > greatest_error);
+            greatest_error = if is_greater { error } else { greatest_error };
+            let terms = [function.constant, function.x, function.y];
+            for (out, term) in self.edges[edge].iter_mut().zip(terms) {
+                let term = if is_sound { term as f32 } else { 0.0 };
+                out[l] = if is_asked { term } else { out[l] };
             }
-            self.depth_key_error[l] = error;
-            let sizes = edges.map(|(edge, _)| edge.moved(span).size(span));
-            let [least, magnitude] = [lesser, greater]
-                .map(|of: fn(f64, f64) -> f64| of(of(sizes[0], sizes[1]), sizes[2]));
-            self.is_rough[l] = self.ill_conditioned[l]
-                | !are_edges_smooth(self.edge_error[l].into(), least, magnitude);
+            let scales = &mut self.edge_scales[edge];
+            scales[l] = if is_asked { magnitude } else { scales[l] };
         }
+        let edge_error = &mut self.edge_error[l];
+        *edge_error = if is_asked {
+            greatest_error as f32
+        } else {
+            *edge_error
+        };
+        (are_sound, is_missed)
+    }
+
+    /// Stores a triangle's functions over the whole packet as those of lane `l`, with a depth key whose error is
+    /// bounded but for its roundings in single precision.
+    pub(super) fn store(
+        &mut self,
+        space: &PacketSpace,
+        l: usize,
+        functions: &PacketFunctions,
+        (key, error): (Linear, f64),
+    ) {
+        let span = FunctionDomain::of(&self.boxes[l]);
+        let (are_sound, is_missed) = self.store_edges(&functions.edges, 1.0, (l, true), &span);
+        let key = key.moved(&span);
+        let spread = key.size(&span);
+        let error = ((error + spread * LINEAR_ERROR) * 1.001) as f32 + f32::MIN_POSITIVE;
+        for (out, term) in self.depth_key.iter_mut().zip([key.constant, key.x, key.y]) {
+            out[l] = term as f32;
+        }
+        self.depth_key_error[l] = error;
+        // NaN fails these comparisons.
+        let is_in_range = error < f32::MAX && spread < f64::from(f32::MAX);
+        self.ill_conditioned[l] = !(are_sound && is_in_range);
+        self.is_rough[l] = false;
+        let is_culled = space.cull == Cull::Back && functions.facing.0 > 0.0;
+        if is_missed || is_culled {
+            self.boxes[l].right = -1;
+        }
+        self.overflows |= are_sound && !is_in_range && !is_missed && !is_culled;
     }
 
     /// Whether a triangle's depth key may reach a value between two somewhere in the packet.

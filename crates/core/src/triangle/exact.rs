@@ -2,6 +2,7 @@
 
 use super::BoundedHit;
 use crate::hit::Cull;
+use crate::num::accumulator::{Accumulator, Number};
 use crate::num::double_double::DoubleDouble;
 use crate::num::exact::{
     Scale, Vector, compare_scaled, comparison_digits, cross, decompose, determinant_digits, dot,
@@ -210,22 +211,36 @@ fn rounded_cross<I: Integer>(p: &Vector<I>, q: &Vector<I>, lengths: Scale) -> DV
 /// The distances of points from the plane of a triangle times the normal's length, positive where the normal points to;
 /// each rounded to within a unit in the last place, and zero only where the plane contains the point: a distance of
 /// single-precision coordinates is at least 2⁻⁴⁴⁷.
+///
+/// With A, B, C the corners and P a point, its distance is P·N − A·(B×C), N = A×B + B×C + C×A: sums of products of
+/// three coordinates.
 pub(crate) fn distances_from_plane(points: [Vec3; 3], corners: [Vec3; 3]) -> [f64; 3] {
-    fn of<I: Integer>([a, b, c, p, q, r]: [DVec3; 6], lengths: Scale) -> [f64; 3] {
-        let a = lengths.vector::<I>(a);
-        let from_a = |point: DVec3| subtract(&lengths.vector(point), &a);
-        let normal = cross(&from_a(b), &from_a(c));
-        let one = I::shifted(1, 0);
-        let distance = |point| ratio(&dot(&from_a(point), &normal), &one, 3 * lengths.exponent);
-        [distance(p), distance(q), distance(r)]
+    const PAIRS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
+    let numbers = |vector: Vec3| vector.to_array().map(Number::of);
+    let corners = corners.map(numbers);
+    // For each component of N six products, those of B×C first.
+    let mut normal = [[Number::of(0.0); 6]; 3];
+    for (products, [i, j]) in normal.iter_mut().zip(PAIRS) {
+        for (products, [p, q]) in products.as_chunks_mut().0.iter_mut().zip(PAIRS) {
+            let (p, q) = (&corners[p], &corners[q]);
+            *products = [p[i].times(q[j]), p[j].times(q[i].negated())];
+        }
     }
-    let [[a, b, c], [p, q, r]] = [corners, points].map(|points| points.map(Vec3::as_dvec3));
-    let points = [a, b, c, p, q, r];
-    let lengths = Scale::of_vectors(&points);
-    if lengths.bits <= I128_BITS {
-        return of::<i128>(points, lengths);
+    let mut of_plane = Accumulator::ZERO;
+    for (coordinate, products) in corners[0].iter().zip(&normal) {
+        for product in &products[..2] {
+            of_plane.add(coordinate.negated(), *product);
+        }
     }
-    sized!(determinant_digits(lengths), of(points, lengths))
+    points.map(|point| {
+        let mut distance = of_plane.clone();
+        for (coordinate, products) in numbers(point).iter().zip(&normal) {
+            for product in products {
+                distance.add(*coordinate, *product);
+            }
+        }
+        distance.rounded()
+    })
 }
 
 /// Whether a point lies in the plane of a triangle.

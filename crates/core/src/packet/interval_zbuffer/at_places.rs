@@ -81,7 +81,8 @@ impl IntervalZBuffer {
     ) {
         let mut set_up = space.set_up(corners, &[WHOLE; LANES]);
         if space.reference_plane.is_some() {
-            decisions.refine_keys(space, (corners, primitives), ALL, &mut set_up);
+            decisions.refine_keys(space, (corners, primitives), &mut set_up);
+            self.overflowed |= set_up.overflows;
         }
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
         let never_hit = if any_rough {

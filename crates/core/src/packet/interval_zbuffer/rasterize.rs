@@ -5,7 +5,7 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::EdgeFunctions;
-use super::{ALL, IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
+use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
@@ -62,7 +62,6 @@ impl IntervalZBuffer {
             };
             dispatch(decisions.simd(), work);
             self.overflowed |= set_up.overflows;
-            decisions.refine_keys(space, (corners, primitives), which, set_up);
         }
         let mut never_hit = 0;
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
@@ -105,7 +104,8 @@ impl IntervalZBuffer {
     ) {
         let mut set_up = space.set_up(corners, boxes);
         if space.reference_plane.is_some() {
-            decisions.refine_keys(space, (corners, primitives), ALL, &mut set_up);
+            decisions.refine_keys(space, (corners, primitives), &mut set_up);
+            self.overflowed |= set_up.overflows;
         }
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
         if any_rough {
