@@ -567,7 +567,10 @@ fn relative_depth_keys_order_only_what_is_sure() {
                     work.run(Plain);
                 }
                 let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
-                keys.refine(&space, (&corners, &primitives), &mut set_up);
+                // Without it, the keys of set-up with componentwise bounds are compared.
+                if round % 8 != 2 {
+                    keys.refine(&space, (&corners, &primitives), &mut set_up);
+                }
                 for l in (0..LANES).step_by(2) {
                     let sound = |l: usize| !set_up.ill_conditioned[l] && set_up.boxes[l].right >= 0;
                     if !sound(l) || !sound(l + 1) {
