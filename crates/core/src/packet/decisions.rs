@@ -29,8 +29,8 @@ pub(crate) struct Decisions<'a> {
     edge_on: EdgeOn,
     coplanar: Coplanar,
     plane_orders: PlaneOrders,
-    /// The plane that the packet's depth keys are relative to. Boxed, since few packets' are.
-    plane_keys: Box<PlaneKeys>,
+    /// The plane that the packet's depth keys are relative to. `None` before the first, since few packets' are.
+    plane_keys: Option<Box<PlaneKeys>>,
     ray_starts: RayStarts,
     /// With fast casting, triangles of one plane are ordered by their rounded distances.
     precision: Precision,
@@ -56,7 +56,7 @@ impl<'a> Decisions<'a> {
             edge_on: EdgeOn::new(camera, accel.origin),
             coplanar: Coplanar::new(),
             plane_orders: PlaneOrders::new(),
-            plane_keys: Box::new(PlaneKeys::new()),
+            plane_keys: None,
             ray_starts: RayStarts::new(lattice),
             precision,
         }
@@ -109,15 +109,15 @@ impl<'a> Decisions<'a> {
         let planes = self.planes_at_eye.iter();
         self.planes_along_rays
             .extend(planes.map(|plane| space.along_rays(plane)));
-        match space.reference_plane {
-            Some(plane) => (self.plane_keys).set(space, plane, self.accel.corners(plane)),
-            None => self.plane_keys.clear(),
+        if let Some(plane) = space.reference_plane {
+            let keys = self.plane_keys.get_or_insert_with(Box::default);
+            keys.set(space, plane, self.accel.corners(plane));
         }
     }
 
     /// The triangle whose plane the depth keys of a packet were last relative to.
     pub(super) fn last_plane(&self) -> Option<u32> {
-        self.plane_keys.last()
+        self.plane_keys.as_ref().map(|keys| keys.primitive())
     }
 
     /// Sets up those of eight triangles again whose depth keys are coarse, where keys are relative to a plane.
@@ -127,7 +127,9 @@ impl<'a> Decisions<'a> {
         triangles: (&CornerLanes, &[u32]),
         set_up: &mut TriangleSetup,
     ) {
-        self.plane_keys.refine(space, triangles, set_up);
+        if let Some(keys) = &mut self.plane_keys {
+            keys.refine(space, triangles, set_up);
+        }
     }
 
     /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys

@@ -44,14 +44,14 @@ const COARSE: f64 = 1.5;
 /// The greatest error of h and of P₀·n, as a share of them. The bound of the quotient is derived from it.
 const MOST_SHARE: f64 = 0.25;
 
-/// The plane that a packet's depth keys are relative to.
-#[derive(Debug)]
+/// The plane that a packet's depth keys are relative to. Of no use before [`PlaneKeys::set`].
+#[derive(Debug, Default)]
 pub(super) struct PlaneKeys {
     /// The triangle whose plane it is, and its corners.
     primitive: u32,
     corners: [Vec3; 3],
     /// The plane, turned to the side that rays go to, with the factor of F/|P₀·n| and its relative error; `None` where
-    /// keys are not relative to a plane, or too little is known of it.
+    /// too little is known of it.
     packet: Option<(Plane, (f64, f64))>,
     /// Exact distances of triangles' corners from the plane, by the low bits of the primitive index, with the indices
     /// of both.
@@ -62,23 +62,9 @@ pub(super) struct PlaneKeys {
 const NOTHING: ([u32; 2], [f64; 3]) = ([u32::MAX; 2], [0.0; 3]);
 
 impl PlaneKeys {
-    pub(super) fn new() -> Self {
-        Self {
-            primitive: u32::MAX,
-            corners: [Vec3::ZERO; 3],
-            packet: None,
-            exact: Vec::new(),
-        }
-    }
-
-    /// The triangle whose plane keys were last relative to, if any.
-    pub(super) fn last(&self) -> Option<u32> {
-        (self.primitive != u32::MAX).then_some(self.primitive)
-    }
-
-    /// Begins a packet whose depth keys are not relative to a plane.
-    pub(super) fn clear(&mut self) {
-        self.packet = None;
+    /// The triangle whose plane it is.
+    pub(super) fn primitive(&self) -> u32 {
+        self.primitive
     }
 
     /// Begins a packet whose depth keys are relative to the plane of a triangle.
@@ -262,7 +248,7 @@ mod tests {
                 space = space.relative_to(reference.expect("a key in range"));
                 let corners = lanes_of(triangles);
                 let mut set_up = space.set_up(&corners, &[ALL; LANES]);
-                let mut keys = PlaneKeys::new();
+                let mut keys = PlaneKeys::default();
                 keys.set(&space, 0, triangles[0]);
                 let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
                 // Twice: the second time exact distances are known.
@@ -316,7 +302,7 @@ mod tests {
         rays: impl Iterator<Item = [f64; 2]>,
     ) -> usize {
         let space = space(camera, tree_origin, Cull::None);
-        let mut keys = PlaneKeys::new();
+        let mut keys = PlaneKeys::default();
         keys.set(&space, 0, reference);
         let distances = keys.distances(1, corners);
         let functions = [

@@ -543,7 +543,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
                 }
                 // Relative to a constant, or to the plane of one of them.
                 let key = space.depth_key_in_double(triangles[0]);
-                let mut keys = PlaneKeys::new();
+                let mut keys = PlaneKeys::default();
                 let relative = key.filter(|_| round % 4 > 1).and_then(|key| {
                     let plane = ReferencePlane { primitive: 0, key };
                     reference.with_plane(plane, (31.0, 31.0))

@@ -79,7 +79,8 @@ pub(crate) struct EdgeOn {
     shared: Shared,
     /// The point that corners are relative to.
     tree_origin: DVec3,
-    /// Primitive indices, and whether each is edge-on; as many as a power of two.
+    /// Primitive indices, and whether each is edge-on: none before the first is asked about, then as many as a power of
+    /// two.
     decided: Vec<(u32, bool)>,
     /// How many were evicted since the cache last grew.
     evicted: usize,
@@ -94,7 +95,7 @@ impl EdgeOn {
         Self {
             shared,
             tree_origin,
-            decided: vec![(MISS, false); CACHED],
+            decided: Vec::new(),
             evicted: 0,
         }
     }
@@ -102,6 +103,9 @@ impl EdgeOn {
     /// Whether no ray hits the triangle for one of these reasons.
     #[inline(never)]
     pub(crate) fn is(&mut self, primitive: u32, corners: [Vec3; 3]) -> bool {
+        if self.decided.is_empty() {
+            self.decided.resize(CACHED, (MISS, false));
+        }
         let at = self.entry(primitive);
         let (stored, is) = self.decided[at];
         if stored == primitive {
@@ -121,11 +125,11 @@ impl EdgeOn {
     /// Whether the triangle is known to be edge-on.
     #[inline(always)]
     pub(crate) fn is_known(&self, primitive: u32) -> bool {
-        self.decided[self.entry(primitive)] == (primitive, true)
+        self.decided.get(self.entry(primitive)) == Some(&(primitive, true))
     }
 
     fn entry(&self, primitive: u32) -> usize {
-        primitive as usize & (self.decided.len() - 1)
+        primitive as usize & self.decided.len().wrapping_sub(1)
     }
 
     /// Doubles the cache.
