@@ -1,6 +1,6 @@
-//! Exact sums of products of three single-precision numbers: determinants of corners of any magnitude, some three times
-//! faster than with integers whose length depends on the numbers (Kulisch, Miranker, "The Arithmetic of the Digital
-//! Computer: A New Approach", 1986).
+//! Exact sums of products of three single-precision numbers, for determinants of corners of any magnitude: a
+//! fixed-point number as long as the range of such products takes no shifts to a common length, and no multiplications
+//! of long integers (Kulisch, Miranker, "The Arithmetic of the Digital Computer: A New Approach", 1986).
 
 use std::cmp::Ordering;
 

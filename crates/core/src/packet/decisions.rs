@@ -120,7 +120,7 @@ impl<'a> Decisions<'a> {
         self.plane_keys.as_ref().map(|keys| keys.primitive())
     }
 
-    /// Sets up those of eight triangles again whose depth keys are coarse, where keys are relative to a plane.
+    /// Sets up those of eight triangles again whose depth keys are inaccurate, where keys are relative to a plane.
     pub(super) fn refine_keys(
         &mut self,
         space: &PacketSpace,

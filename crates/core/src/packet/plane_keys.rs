@@ -17,7 +17,7 @@
 //! terms. h and P₀·n are off by a quarter of themselves at most, so that a quotient by both is off by 16/9 of what F is off
 //! by, and by 1.8 of itself times what they are off by, relative to themselves: we take 2 of each. Roundings of the
 //! quotient and of moving it within the packet are ε of what [`LINEAR_ERROR`] takes. Rays beside their places move edge
-//! functions, and nothing else: the plane is met by the same ray.
+//! functions, and nothing else: the same ray crosses the plane.
 //!
 //! In double precision, what P₀·n is off by is dominated by what edge functions are: no test shows it. With
 //! componentwise bounds it is not.
@@ -38,8 +38,8 @@ use glam::Vec3;
 const CACHED: usize = 1 << 15;
 
 /// The error of a key, as a share of what single precision rounds it by, from which on it is computed from distances.
-/// With a lesser limit keys are computed again for nothing; with a greater one fewer layers are told apart.
-const COARSE: f64 = 1.5;
+/// With a lesser limit keys are computed again for nothing; with a greater one fewer layers are distinguished.
+const INACCURATE: f64 = 1.5;
 
 /// The greatest error of h and of P₀·n, as a share of them. The bound of the quotient is derived from it.
 const MOST_SHARE: f64 = 0.25;
@@ -81,7 +81,7 @@ impl PlaneKeys {
         });
     }
 
-    /// Sets up those of eight triangles again whose depth keys are coarse.
+    /// Sets up those of eight triangles again whose depth keys are inaccurate.
     #[inline(never)]
     pub(super) fn refine(
         &mut self,
@@ -94,7 +94,7 @@ impl PlaneKeys {
         }
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             let span = FunctionDomain::of(&out.boxes[l]);
-            if out.boxes[l].right < 0 || !is_coarse(out, l, &span) {
+            if out.boxes[l].right < 0 || !is_inaccurate(out, l, &span) {
                 continue;
             }
             let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
@@ -143,8 +143,8 @@ impl PlaneKeys {
         is_known.then_some((functions, (key, error)))
     }
 
-    /// Distances of a triangle's corners from the plane, each with its error: by as much arithmetic as tells them from
-    /// zero.
+    /// Distances of a triangle's corners from the plane, each with its error: by as much arithmetic as
+    /// distinguishes them from zero.
     fn distances(&mut self, primitive: u32, points: [Vec3; 3]) -> [(f64, f64); 3] {
         let Some((plane, _)) = self.packet else {
             return [(0.0, f64::INFINITY); 3];
@@ -180,13 +180,13 @@ impl PlaneKeys {
 }
 
 /// Whether a triangle's depth key is off by more than single precision rounds it by.
-fn is_coarse(set_up: &TriangleSetup, l: usize, span: &FunctionDomain) -> bool {
+fn is_inaccurate(set_up: &TriangleSetup, l: usize, span: &FunctionDomain) -> bool {
     let [constant, x, y] = set_up
         .depth_key
         .map(|coefficient| f64::from(coefficient[l]));
     let spread = Linear { constant, x, y }.size(span);
     // NaN is.
-    let is_fine = f64::from(set_up.depth_key_error[l]) <= COARSE * LINEAR_ERROR * spread;
+    let is_fine = f64::from(set_up.depth_key_error[l]) <= INACCURATE * LINEAR_ERROR * spread;
     !is_fine
 }
 
@@ -228,8 +228,8 @@ mod tests {
         })
     }
 
-    /// Keys tell layers apart that lie closer together than double precision distinguishes their depths, along an axis'
-    /// plane and along tilted ones, and in the right order.
+    /// Keys distinguish layers that lie closer together than double precision distinguishes their depths, along an
+    /// axis' plane and along tilted ones, and in the right order.
     #[test]
     fn layers_subnormal_numbers_apart_are_in_order() {
         let mut random = Random(121);
@@ -294,12 +294,12 @@ mod tests {
         }
     }
 
-    /// Compares a triangle's key with that of its hits, in double precision, and returns the number of hits.
+    /// Compares a triangle's keys, relative to the plane of another, with those of its hits by every `step`th ray.
+    /// Returns the number of comparisons.
     fn check(
         (camera, tree_origin): (&Camera, DVec3),
-        reference: [Vec3; 3],
-        corners: [Vec3; 3],
-        rays: impl Iterator<Item = [f64; 2]>,
+        [reference, corners]: [[Vec3; 3]; 2],
+        step: usize,
     ) -> usize {
         let space = space(camera, tree_origin, Cull::None);
         let mut keys = PlaneKeys::default();
@@ -314,7 +314,8 @@ mod tests {
             .filter_map(|functions| keys.key(distances, functions))
             .collect();
         let mut hits = 0;
-        for [x, y] in rays {
+        for at in (0..SIDE * SIDE).step_by(step) {
+            let (x, y) = ((at % SIDE) as f64, (at / SIDE) as f64);
             let ray = camera.ray(x + 0.5, y + 0.5);
             let t_min = if space.perspective { 0.0 } else { -1e99 };
             let ray = Ray { t_min, ..ray };
@@ -371,15 +372,8 @@ mod tests {
                 [corner(-64.0, -64.0), corner(64.0, -64.0), corner(0.0, 96.0)]
             };
             let (close, far) = (across(middle), across(middle + 4.0));
-            let pair = if round % 2 == 0 {
-                [close, far]
-            } else {
-                [far, close]
-            };
-            let rays = (0..1024)
-                .step_by(101)
-                .map(|at| [(at % 32) as f64, (at / 32) as f64]);
-            hits[round % 2] += check((&camera, tree_origin), pair[0], pair[1], rays);
+            let pairs = [[close, far], [far, close]];
+            hits[round % 2] += check((&camera, tree_origin), pairs[round % 2], 101);
         }
         assert!(hits.iter().all(|&hits| hits > 1000), "{hits:?}");
     }
@@ -400,15 +394,8 @@ mod tests {
             let plane = ImagePlane::new(32, 32, 1e-16).expect("a good plane");
             let pose = Pose::towards(inside - aim, inside);
             let camera = Camera::new(pose, Projection::Orthographic, plane);
-            let pair = if round % 2 == 0 {
-                [along, across]
-            } else {
-                [across, along]
-            };
-            let rays = (0..1024)
-                .step_by(201)
-                .map(|at| [(at % 32) as f64, (at / 32) as f64]);
-            hits[round % 2] += check((&camera, DVec3::ZERO), pair[0], pair[1], rays);
+            let pairs = [[along, across], [across, along]];
+            hits[round % 2] += check((&camera, DVec3::ZERO), pairs[round % 2], 201);
         }
         assert!(hits.iter().all(|&hits| hits > 1000), "{hits:?}");
     }

@@ -79,7 +79,7 @@ pub(crate) struct EdgeOn {
     shared: Shared,
     /// The point that corners are relative to.
     tree_origin: DVec3,
-    /// Primitive indices, and whether each is edge-on: none before the first is asked about, then as many as a power of
+    /// Primitive indices, and whether each is edge-on: none before the first query, then as many as a power of
     /// two.
     decided: Vec<(u32, bool)>,
     /// How many were evicted since the cache last grew.
@@ -228,7 +228,7 @@ mod tests {
         }
     }
 
-    /// Thousands of triangles, of which every third is edge-on, each asked for many times: what is known is right, and
+    /// Thousands of triangles, of which every third is edge-on, each queried many times: what is known is right, and
     /// after some rounds all of them are known.
     #[test]
     fn many_triangles_through_the_eye_are_decided_once() {
