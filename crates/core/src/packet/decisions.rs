@@ -120,6 +120,15 @@ impl<'a> Decisions<'a> {
         self.plane_keys.as_ref().map(|keys| keys.primitive())
     }
 
+    /// An upper bound of a triangle's depth keys relative to the packet's reference plane, from the distances of its
+    /// corners; infinite where they say nothing.
+    pub(super) fn nearest_key(&mut self, primitive: u32) -> f32 {
+        match &mut self.plane_keys {
+            Some(keys) => keys.nearest_key(primitive, self.accel.corners(primitive)),
+            None => f32::INFINITY,
+        }
+    }
+
     /// Sets up those of eight triangles again whose depth keys are inaccurate, where keys are relative to a plane.
     pub(super) fn refine_keys(
         &mut self,

@@ -19,6 +19,11 @@
 //! quotient and of moving it within the packet are ε of what [`LINEAR_ERROR`] takes. Rays beside their places move edge
 //! functions, and nothing else: the same ray crosses the plane.
 //!
+//! # Triangles behind others
+//! A triangle whose corners all lie s or more behind the plane is hit there, so that along a ray with the plane's key κ its
+//! relative key is at most −κs/(h + s), or −s/(N·d) where rays are parallel: triangles behind what a packet shows are
+//! skipped without set-up.
+//!
 //! In double precision, what P₀·n is off by is dominated by what edge functions are: no test shows it. With
 //! componentwise bounds it is not.
 
@@ -26,6 +31,7 @@ use super::plane_order::{are_accurate, turned, unless_shared, weighted_sum};
 use super::setup::{
     FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, TriangleSetup,
 };
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
 use crate::triangle::CornerLanes;
 use crate::triangle::coplanar::share_plane_of_axis;
@@ -53,9 +59,39 @@ pub(super) struct PlaneKeys {
     /// The plane, turned to the side that rays go to, with the factor of F/|P₀·n| and its relative error; `None` where
     /// too little is known of it.
     packet: Option<(Plane, (f64, f64))>,
+    /// The greatest relative key of a triangle behind the plane as a function of its distance.
+    behind: KeyBehind,
     /// Exact distances of triangles' corners from the plane, by the low bits of the primitive index, with the indices
     /// of both.
     exact: Vec<([u32; 2], [f64; 3])>,
+}
+
+/// Upper bounds of the relative keys of what lies behind the reference plane.
+#[derive(Clone, Copy, Debug)]
+enum KeyBehind {
+    /// −s·f/(h + s), with f the least key of the plane in the packet, at least zero, and h its greatest distance from the
+    /// eye.
+    Perspective { least: f64, eye: f64 },
+    /// −s·f.
+    Orthographic { factor: f64 },
+}
+
+impl Default for KeyBehind {
+    fn default() -> Self {
+        Self::Orthographic { factor: 0.0 }
+    }
+}
+
+impl KeyBehind {
+    /// The bound for what is at least this far behind the plane.
+    fn of(self, distance: f64) -> f32 {
+        let key = match self {
+            Self::Perspective { least, eye } => least * (distance / (eye + distance)),
+            Self::Orthographic { factor } => factor * distance,
+        };
+        // Less than 8ε for the roundings of this and of what it is computed from.
+        ((-key * (1.0 - 8.0 * EPSILON)) as f32).next_up()
+    }
 }
 
 /// Entries of the cache that hold nothing.
@@ -76,9 +112,32 @@ impl PlaneKeys {
                 false => plane.along(space.rays.direction),
             };
             let share = error / across.abs();
+            let factor = space.key_factor / across.abs();
+            self.behind = match space.perspective {
+                true => KeyBehind::Perspective {
+                    least: space.least_reference().max(0.0),
+                    eye: across.abs() * (1.0 + share),
+                },
+                false => KeyBehind::Orthographic {
+                    factor: factor * (1.0 - share),
+                },
+            };
             // NaN fails this comparison.
-            (share < MOST_SHARE).then_some((plane, (space.key_factor / across.abs(), share)))
+            (share < MOST_SHARE).then_some((plane, (factor, share)))
         });
+    }
+
+    /// An upper bound of a triangle's relative depth keys, by how far behind the plane its corners are; infinite where
+    /// one is not.
+    #[inline(never)]
+    pub(super) fn nearest_key(&mut self, primitive: u32, corners: [Vec3; 3]) -> f32 {
+        let distances = self.distances(primitive, corners);
+        let least = distances.map(|(distance, error)| distance - error);
+        let least = least.into_iter().fold(f64::INFINITY, f64::min);
+        match least > 0.0 {
+            true => self.behind.of(least),
+            false => f32::INFINITY,
+        }
     }
 
     /// Sets up those of eight triangles again whose depth keys are inaccurate.
@@ -346,6 +405,72 @@ mod tests {
             }
         }
         hits
+    }
+
+    /// What lies behind the reference plane, parallel to it or not, close to it or far behind, is hit behind the bound of
+    /// its keys; and the bound of what is parallel is the key at some ray.
+    #[test]
+    fn triangles_behind_the_plane_are_hit_behind_their_bounds() {
+        let mut random = Random(124);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let (mut hits, mut close) = (0, 0);
+            for round in 0..1500 {
+                let camera = camera(&mut random, DVec3::ZERO, projection, 0.05);
+                let reference = [(); 3].map(|()| (random.point() * 2.0).as_vec3());
+                let space = space(&camera, DVec3::ZERO, Cull::None);
+                let Some(key) = space.depth_key_in_double(reference) else {
+                    continue;
+                };
+                let plane = ReferencePlane { primitive: 0, key };
+                let relative_to = DepthReference::NONE.with_plane(plane, (31.0, 31.0));
+                let space = space.relative_to(relative_to.expect("a key in range"));
+                let mut keys = PlaneKeys::default();
+                keys.set(&space, 0, reference);
+                let Some((normal, _)) = keys.packet else {
+                    continue;
+                };
+                let [a, b, c] = reference.map(Vec3::as_dvec3);
+                let across = (b - a).cross(c - a).normalize();
+                let behind = across * normal.along(across).0.signum();
+                let is_parallel = round % 2 == 0;
+                let behind = behind * random.decades(-3.0, 1.0);
+                let corners = [a, b, c].map(|corner| {
+                    let share = if is_parallel { 1.0 } else { random.unit() };
+                    (corner + (corner - a) * 4.0 + behind * share).as_vec3()
+                });
+                let bound = f64::from(keys.nearest_key(1, corners));
+                let mut most = f64::NEG_INFINITY;
+                for at in (0..SIDE * SIDE).step_by(7) {
+                    let (x, y) = ((at % SIDE) as f64, (at / SIDE) as f64);
+                    let ray = camera.ray(x + 0.5, y + 0.5);
+                    let t_min = if space.perspective { 0.0 } else { -1e99 };
+                    let ray = Ray { t_min, ..ray };
+                    let triangle = OffsetTriangle {
+                        corners,
+                        origin: DVec3::ZERO,
+                    };
+                    let Some(hit) = exact::hit(&ray, &triangle, Cull::None, 0) else {
+                        continue;
+                    };
+                    let plane = (b - a).cross(c - a);
+                    let of_plane = plane.dot(a - ray.origin) / plane.dot(ray.direction);
+                    let along = ray.direction.dot(space.map[2]);
+                    let [key_of_hit, key_of_plane] =
+                        [hit.t, of_plane].map(|t| match space.perspective {
+                            true => 1.0 / (t * along),
+                            false => -t * along,
+                        });
+                    let key = (key_of_hit - key_of_plane) * space.key_factor;
+                    let size = (key_of_hit.abs() + key_of_plane.abs()) * space.key_factor;
+                    // Rounded here.
+                    assert!(key <= bound + 1e-11 * size, "{key} {bound} {corners:?}");
+                    most = most.max(key);
+                    hits += 1;
+                }
+                close += u32::from(is_parallel && most < 0.0 && bound < 0.8 * most);
+            }
+            assert!(hits > 20_000 && close > 200, "{hits} {close}");
+        }
     }
 
     /// Eyes that are rounded by a hundredth of their distance from one of two planes. Without the error of the plane's

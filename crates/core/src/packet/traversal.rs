@@ -404,6 +404,11 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, projected.nearest[lane]) {
                 return Outcome::Occluded;
             }
+            if self.reference.is_plane()
+                && zbuffer.occludes(&rays, self.decisions.nearest_key(primitive))
+            {
+                return Outcome::Occluded;
+            }
             self.queue(primitive, rays);
             return Outcome::Queued(rays.count());
         }

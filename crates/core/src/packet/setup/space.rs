@@ -6,6 +6,7 @@ use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
 use crate::num::simd::LANES;
 use crate::packet::depth_reference::DepthReference;
+use crate::packet::params::SIDE;
 use crate::triangle::CornerLanes;
 use glam::{DVec3, Vec3};
 
@@ -172,6 +173,13 @@ impl PacketSpace {
             units,
             ..self
         }
+    }
+
+    /// A lower bound of the reference along the packet's rays.
+    pub(in crate::packet) fn least_reference(&self) -> f64 {
+        let Linear { constant, x, y } = self.reference;
+        let side = SIDE as f64;
+        constant + (x * side).min(0.0) + (y * side).min(0.0) - self.reference_error
     }
 
     /// Maps a point into packet space.

@@ -199,7 +199,10 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         let near = (self.reference).relative_above(projected.bounds.nearest[lane]);
         let around = projected.bounds.of(lane);
         let cells = places.cells_touched(lanes, &around);
-        if zbuffer.occludes_cells(lanes, cells, near) {
+        if zbuffer.occludes_cells(lanes, cells, near)
+            || self.reference.is_plane()
+                && zbuffer.occludes_cells(lanes, cells, self.decisions.nearest_key(primitive))
+        {
             return 0;
         }
         if projected.small >> lane & 1 != 0 {
