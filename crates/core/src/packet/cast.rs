@@ -19,7 +19,7 @@ use crate::num::simd::{Lanes, Work, dispatch};
 use crate::ray::Ray;
 use crate::single::{self, Clipped};
 use crate::triangle::clip::Clip;
-use crate::triangle::{BoundedHit, EyeTriangles};
+use crate::triangle::{BoundedHit, SharedTriangles};
 use around::FindAround;
 use std::rc::Rc;
 
@@ -86,7 +86,7 @@ impl Accel {
             precision,
             primitives,
             counts: &mut counts,
-            from_eye: has_eye.then(Rc::default),
+            shared: Rc::new(SharedTriangles::new(has_eye)),
         };
         if lattice.camera.projection().panorama().is_none() {
             match NearEye::of(self, &lattice.camera) {
@@ -149,8 +149,8 @@ pub(super) struct Find<'a> {
     pub(super) precision: Precision,
     pub(super) primitives: &'a mut [u32],
     pub(super) counts: &'a mut CastCounts,
-    /// What single rays share of triangles, where all start at one eye.
-    pub(super) from_eye: Option<Rc<EyeTriangles>>,
+    /// What single rays share of triangles.
+    pub(super) shared: Rc<SharedTriangles>,
 }
 
 impl Find<'_> {
@@ -279,10 +279,7 @@ impl Find<'_> {
         let Some(ray) = (self.accel).prepare(ray, self.cull, self.precision) else {
             return MISS;
         };
-        let ray = match &self.from_eye {
-            Some(from_eye) => ray.sharing(from_eye, Detail::Triangle),
-            None => ray,
-        };
+        let ray = ray.sharing(&self.shared, Detail::Triangle);
         let nearest = match rivals {
             Some(rivals) if self.precision == Precision::Exact => {
                 let mut nearest = BoundedHit::NONE;

@@ -63,14 +63,14 @@ const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
 /// A vector, and for each component a bound on its error and on the roundings of products with it.
 #[derive(Clone, Copy)]
-struct Bounded {
+pub(super) struct Bounded {
     value: DVec3,
     error: DVec3,
 }
 
 impl Bounded {
     #[inline(always)]
-    fn cross_of(p: DVec3, q: DVec3) -> Self {
+    pub(super) fn cross_of(p: DVec3, q: DVec3) -> Self {
         let (plus, minus) = (p.yzx() * q.zxy(), p.zxy() * q.yzx());
         Self {
             value: plus - minus,
@@ -171,7 +171,7 @@ impl Factors {
 }
 
 #[inline(always)]
-fn is_in_range(vector: DVec3) -> bool {
+pub(super) fn is_in_range(vector: DVec3) -> bool {
     is_number_in_range(vector.x) & is_number_in_range(vector.y) & is_number_in_range(vector.z)
 }
 
@@ -244,7 +244,10 @@ impl Work for ComponentwiseSetup<'_> {
 }
 
 #[inline(always)]
-fn corners_in_lane([ax, ay, az, bx, by, bz, cx, cy, cz]: &CornerLanes, l: usize) -> [DVec3; 3] {
+pub(super) fn corners_in_lane(
+    [ax, ay, az, bx, by, bz, cx, cy, cz]: &CornerLanes,
+    l: usize,
+) -> [DVec3; 3] {
     [
         Vec3::new(ax[l], ay[l], az[l]).as_dvec3(),
         Vec3::new(bx[l], by[l], bz[l]).as_dvec3(),
@@ -472,7 +475,7 @@ impl PacketSpace {
     /// An edge function of the place in the packet, and a bound on its error: `product` is the cross product of two
     /// corners, `u` is the second less the first.
     #[inline(always)]
-    fn edge_function(&self, product: &Bounded, u: DVec3) -> (Linear, f64) {
+    pub(super) fn edge_function(&self, product: &Bounded, u: DVec3) -> (Linear, f64) {
         let (d, [a, b]) = (self.rays.direction, self.rays.steps);
         if self.perspective {
             let product = product.moved(u, self.origin_error);

@@ -30,9 +30,9 @@ use sure_hits::SureHits;
 /// All lanes of a row, as bits.
 const ALL: u32 = (1 << ROW) - 1;
 
-/// The number of rows whose order depths leave undecided, beyond which a packet is cast again with another reference: a few
-/// times those of a packet, 128. With fewer, packets where a few triangles touch are cast twice; with more, those with
-/// layers are cast again later.
+/// The number of rows whose order depths leave undecided, beyond which a packet is cast again with another reference: a
+/// few times those of a packet, 128. With fewer, packets where a few triangles touch are cast twice; with more, those
+/// with layers are cast again later.
 const MANY_CONTESTS: u32 = 400;
 
 /// The number of rays that ill-conditioned triangles may hit, each counted for each triangle, beyond which a packet's
@@ -82,6 +82,8 @@ pub(crate) struct IntervalZBuffer {
     overflowed: bool,
     /// Whether rough triangles are set up again one by one.
     one_by_one: bool,
+    /// Whether some of those that were rasterised last were set up again.
+    sets_up_again: bool,
     /// Bounds of the depth keys where orthographic rays start: no hit is nearer. Infinite for perspective packets.
     start_keys: [f32; 2],
 }
@@ -102,6 +104,7 @@ impl IntervalZBuffer {
             marks: 0,
             overflowed: false,
             one_by_one: false,
+            sets_up_again: false,
             start_keys: [f32::INFINITY; 2],
         }
     }
@@ -158,6 +161,12 @@ impl IntervalZBuffer {
     #[inline(always)]
     pub(crate) fn wants_single_rays(&self) -> bool {
         self.marks > MANY_MARKS
+    }
+
+    /// Whether some of the triangles that were rasterised last were set up again, so that culling one is worth much.
+    #[inline(always)]
+    pub(crate) fn sets_up_again(&self) -> bool {
+        self.sets_up_again
     }
 
     /// Leaves all rays undecided, without rivals.

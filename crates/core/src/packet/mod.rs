@@ -7,7 +7,8 @@
 //!    Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", 2005). Each packet starts from them and
 //!    descends to leaves, front to back; boxes behind all hits so far are skipped.
 //! 2. `ray_bounds`: eight triangles at once are projected into the packet in single precision, which
-//!    bounds the rays that may hit each. Most triangles smaller than the ray spacing are culled here.
+//!    bounds the rays that may hit each. Most triangles smaller than the ray spacing are culled here. Triangles that
+//!    pass the eye have no bounds; most of those that no ray hits are culled by `beside_rays`.
 //! 3. `small_triangles`, `slivers`: triangles that bound few rays are tested against those alone; the bounds
 //!    of long thin ones are shrunk to the spans of their rows.
 //! 4. `setup`: the remaining triangles become linear functions of a ray's place: three edge functions and an
@@ -24,7 +25,7 @@
 //! (`plane_order`); only rays for which that is not sure either are left undecided. Of layers too close together for
 //! single precision, most are behind triangles that a cell's rays surely hit (`interval_zbuffer::sure_hits`), and are
 //! not merged. Where many orders are left undecided, the packet is cast again with depths relative to the plane of one
-//! of the layers (`plane_keys`).
+//! of the layers (`plane_keys`), and triangles behind that plane are skipped before set-up.
 //!
 //! With clipping planes, boxes and triangles that the planes remove are skipped on the way, and triangles that they
 //! cut get an additional edge (`interval_zbuffer::cut_triangles`).
@@ -49,6 +50,7 @@
 
 #[cfg(test)]
 mod around_tests;
+mod beside_rays;
 mod cast;
 #[cfg(test)]
 mod cast_tests;

@@ -45,6 +45,8 @@
 //! columns, and less than depths of orthographic packets are off by, whose steps are 10⁻³⁰ at least and whose origins'
 //! error makes r 10⁻³⁶.
 
+mod side_planes;
+
 use super::depth_reference::DepthReference;
 use super::lane_math::{ROUNDER, Three, least, most, round};
 use super::params::{SIDE, SMALL_SIDE};
@@ -58,8 +60,8 @@ use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
 use crate::triangle::CornerLanes;
 use glam::DVec3;
 
-/// By how much bounds grow beyond the errors of places: 2⁻⁹ columns. Rounding needs [`ROUNDING_MARGIN`] of it; with less,
-/// hits are lost; with more, more triangles between rays are set up.
+/// By how much bounds grow beyond the errors of places: 2⁻⁹ columns. Rounding needs [`ROUNDING_MARGIN`] of it; with
+/// less, hits are lost; with more, more triangles between rays are set up.
 const MARGIN: f64 = 1.0 / 512.0;
 
 /// The least ratio of a corner's depth to its error at which its place is used. With a lesser one the factor
@@ -113,6 +115,8 @@ pub(crate) struct ProjectedTriangles {
     pub(crate) nearest: [f32; LANES],
     /// Triangles that some ray may hit, as bits.
     pub(crate) seen: u32,
+    /// Those of the seen triangles, as bits, whose bounds and depth keys are unknown: they pass the eye.
+    pub(crate) unbounded: u32,
     /// Those of the seen triangles that are small, as bits.
     pub(crate) small: u32,
     /// The rays that hit the small ones.
@@ -211,6 +215,7 @@ impl CornerProjector {
         };
         let (bounds, seen) = bounds.shrunk_to_slivers(lanes, &corners, out.seen);
         out.seen = seen;
+        out.unbounded = seen & !projected.safe.bits();
 
         let nearest = projected.nearest;
         let nearest = projected.safe.select(nearest, lanes.splat(f32::INFINITY));
@@ -230,26 +235,36 @@ impl CornerProjector {
     /// T of the corners.
     #[inline(always)]
     fn map_corners<L: Lanes>(&self, lanes: L, corners: &CornerLanes) -> MappedCorners<L> {
-        let mut reach = lanes.splat(self.least_reach);
-        let shift = self.shift.map(|shift| lanes.splat(shift));
-        let mut mapped = [shift; 3];
-        for (corner, mapped) in mapped.iter_mut().enumerate() {
-            for axis in 0..3 {
-                let [high, low] = self.origin[axis];
-                let relative = lanes.load(&corners[3 * corner + axis]) - high - low;
-                reach = reach.max(relative.abs());
-                for (sum, row) in mapped.iter_mut().zip(&self.map) {
-                    *sum = *sum + relative * row[axis];
-                }
-            }
-        }
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = mapped;
+        let ([ax, ay, az], of_a) = self.map_corner(lanes, corners, 0);
+        let ([bx, by, bz], of_b) = self.map_corner(lanes, corners, 1);
+        let ([cx, cy, cz], of_c) = self.map_corner(lanes, corners, 2);
         MappedCorners {
             x: (ax, bx, cx),
             y: (ay, by, cy),
             z: (az, bz, cz),
-            reach,
+            reach: of_a.max(of_b).max(of_c),
         }
+    }
+
+    /// T of one of the corners, and its r.
+    #[inline(always)]
+    fn map_corner<L: Lanes>(
+        &self,
+        lanes: L,
+        corners: &CornerLanes,
+        corner: usize,
+    ) -> ([L::F32; 3], L::F32) {
+        let mut reach = lanes.splat(self.least_reach);
+        let mut mapped = self.shift.map(|shift| lanes.splat(shift));
+        for axis in 0..3 {
+            let [high, low] = self.origin[axis];
+            let relative = lanes.load(&corners[3 * corner + axis]) - high - low;
+            reach = reach.max(relative.abs());
+            for (sum, row) in mapped.iter_mut().zip(&self.map) {
+                *sum = *sum + relative * row[axis];
+            }
+        }
+        (mapped, reach)
     }
 
     /// Computes places and depth keys of mapped corners, with their errors.
@@ -403,6 +418,7 @@ impl ProjectedTriangles {
         bottom: [0.0; LANES],
         nearest: [0.0; LANES],
         seen: 0,
+        unbounded: 0,
         small: 0,
         coverage: SmallCoverage::NONE,
     };

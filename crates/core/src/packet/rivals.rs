@@ -1,24 +1,24 @@
 //! The rivals of undecided rays: the triangles of which one is the ray's closest hit, if anything is. A single ray
 //! tests these alone, and does not traverse the tree.
 //!
-//! A triangle that is surely further than one that the ray surely hits is no rival. So one sure hit of each undecided ray
-//! is kept: without it every later triangle would be a rival of a ray once it is undecided, and thousands are where
+//! A triangle that is surely further than one that the ray surely hits is no rival. So one sure hit of each undecided
+//! ray is kept: without it every later triangle would be a rival of a ray once it is undecided, and thousands are where
 //! triangles of one plane overlap.
 
 use super::params::SIDE;
 use crate::hit::MISS;
 
-/// The most rivals that a packet records: 64 a ray. With more, undecided rays would test as many triangles as
+/// The most rivals that a packet records: 128 a ray. With more, undecided rays would test as many triangles as
 /// traversing the tree does; with fewer, more of them traverse it.
-const MOST: usize = 1 << 16;
+const MOST: usize = 1 << 17;
 
 /// The rivals of a packet's rays.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rivals {
     /// The ray's index, in row order, and a primitive index.
     pairs: Vec<(u32, u32)>,
-    /// For each undecided ray a triangle that it surely hits, or [`MISS`]. Empty before the first undecided ray; entries
-    /// of other rays are meaningless.
+    /// For each undecided ray a triangle that it surely hits, or [`MISS`]. Empty before the first undecided ray;
+    /// entries of other rays are meaningless.
     sure_hits: Vec<u32>,
     overflowed: bool,
 }

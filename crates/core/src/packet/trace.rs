@@ -14,8 +14,10 @@ use crate::camera::Lattice;
 use crate::hit::{Cull, MISS, Precision};
 use crate::num::simd::{Lanes, Plain, Work};
 use crate::scene::Bounds;
+use crate::triangle::SharedTriangles;
 use crate::triangle::clip::Clip;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// A large packet of a lattice: its entry points, and the packets that start from them.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +119,7 @@ impl Work for RecordTrace<'_> {
             precision: Precision::Exact,
             primitives: &mut primitives,
             counts: &mut CastCounts::default(),
-            from_eye: None,
+            shared: Rc::new(SharedTriangles::new(false)),
         };
         let mut traversal = Traversal::<true>::new(accel, &clip, lattice, Precision::Exact);
         let mut zbuffer = IntervalZBuffer::new();

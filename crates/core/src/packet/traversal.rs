@@ -9,6 +9,7 @@ mod descent;
 mod entry_points;
 mod gather;
 
+use super::beside_rays::{CullBesideRays, CullingBalance};
 use super::counts::CastCounts;
 use super::decisions::Decisions;
 use super::depth_reference::{DepthReference, ReferencePlane};
@@ -126,6 +127,7 @@ pub(super) struct Traversal<'a, const INSTANCES: bool> {
     decisions: Decisions<'a>,
     /// The reference of the large packet's depth keys.
     reference: DepthReference,
+    beside: CullingBalance,
     pub(super) counts: CastCounts,
 }
 
@@ -155,6 +157,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             boxes: [RayBox::default(); LANES],
             decisions: Decisions::new(accel, clip, lattice, precision),
             reference: DepthReference::NONE,
+            beside: CullingBalance::default(),
             counts: CastCounts::default(),
         }
     }
@@ -264,6 +267,17 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                         .accel
                         .eight_corners::<INSTANCES>(lanes, self.batch.primitives());
                     projector.project(lanes, &corners, self.batch.len, &mut projected);
+                    if projected.unbounded != 0 && self.beside.allows_tests() {
+                        let beside = CullBesideRays {
+                            space: &space,
+                            projector: projector.clone(),
+                            corners,
+                            projected: &mut projected,
+                            balance: &mut self.beside,
+                            by_edges: zbuffer.sets_up_again(),
+                        };
+                        beside.cull(self.accel.simd);
+                    }
                     if !self.reference.is_zero() {
                         projected.relate_to(self.reference);
                     }

@@ -15,10 +15,12 @@ pub(crate) mod linear;
 pub(crate) mod plane;
 #[cfg(test)]
 pub(crate) mod row_tests;
+mod shared_triangles;
 mod watertight;
 
 pub(crate) use bounded_hit::BoundedHit;
 pub(crate) use componentwise::Determinant;
 pub(crate) use corner_lanes::{CornerLanes, vectors_in_lane};
-pub(crate) use eye_triangle::{EyeTriangles, cross_from};
+pub(crate) use eye_triangle::cross_from;
+pub(crate) use shared_triangles::SharedTriangles;
 pub(crate) use watertight::PreparedRay;

@@ -14,7 +14,8 @@ use super::close_start::CloseStart;
 use super::componentwise::{Determinant, Determinants};
 use super::edges::{Edges, Point, WELL_CONDITIONED, axes, major_axis};
 use super::exact::{self, OffsetTriangle};
-use super::eye_triangle::{EyeTriangle, EyeTriangles};
+use super::eye_triangle::EyeTriangle;
+use super::shared_triangles::SharedTriangles;
 use crate::hit::{Cull, Detail, Precision};
 use crate::num::double_double::DoubleDouble;
 use crate::num::roundoff::EPSILON;
@@ -53,7 +54,7 @@ pub(crate) struct PreparedRay {
     /// Whether any triangle so far was decided exactly.
     was_exact: Cell<bool>,
     /// What other rays from the same eye know of triangles; `None` for a ray of its own.
-    from_eye: Option<Rc<EyeTriangles>>,
+    shared: Option<Rc<SharedTriangles>>,
     /// Which numbers of its hits are needed.
     detail: Detail,
 }
@@ -98,19 +99,24 @@ impl PreparedRay {
             cull,
             precision,
             was_exact: Cell::new(false),
-            from_eye: None,
+            shared: None,
             detail: Detail::Full,
         })
     }
 
-    /// The same ray, one of many from its origin, with what they share of triangles. With [`Detail::Full`] its hits' t,
-    /// u and v are those of the ray alone, bit for bit; with [`Detail::Triangle`] more triangles are decided without
+    /// The same ray, one of many, with what they share of triangles. With [`Detail::Full`] its hits' t, u and v are
+    /// those of the ray alone, bit for bit; with [`Detail::Triangle`], from an eye, more triangles are decided without
     /// integers, by numbers that round otherwise.
     #[must_use]
-    pub(crate) fn sharing(self, from_eye: &Rc<EyeTriangles>, detail: Detail) -> Self {
+    pub(crate) fn sharing(self, shared: &Rc<SharedTriangles>, detail: Detail) -> Self {
         Self {
-            from_eye: Some(Rc::clone(from_eye)),
-            detail,
+            // Numbers that are worth computing for many rays from an eye.
+            detail: if shared.have_eye() {
+                detail
+            } else {
+                self.detail
+            },
+            shared: Some(Rc::clone(shared)),
             ..self
         }
     }
@@ -189,7 +195,7 @@ impl PreparedRay {
 
     /// Calls a function with what rays from the same eye share of a triangle.
     fn with_shared<T>(&self, primitive: u32, function: impl FnOnce(&EyeTriangle) -> T) -> T {
-        match &self.from_eye {
+        match &self.shared {
             Some(shared) => shared.with(primitive, function),
             None => function(&EyeTriangle::default()),
         }

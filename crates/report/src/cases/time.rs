@@ -7,8 +7,8 @@ use super::{Case, CaseTheme, Setting};
 use crate::cameras::PROJECTIONS;
 pub use scenes::{ScenePair, SceneView};
 use scenes::{
-    between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents, far_fan,
-    far_vertex, inside_needle, integer_plane, mesh_copies, next_to_discs, next_to_fan,
+    about_eye, between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
+    far_fan, far_vertex, inside_needle, integer_plane, mesh_copies, next_to_discs, next_to_fan,
     next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers, next_to_vertex,
     one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex,
     subnormal_layers, thin_boxes, tilted_layers, tiny_and_far,
@@ -41,6 +41,7 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("copies_of_a_mesh", mesh_copies),
     // Every triangle is set up twice, and hardly any occludes another.
     timed("exponents_of_any_size", exponents),
+    timed("eye_among_triangles_of_any_size", about_eye),
     // Along the silhouette of the first box cells of rays are not covered, and go through all boxes behind it.
     timed("thin_boxes_behind_one_another", thin_boxes),
     // Single precision does not tell the front from the back: each ray decides between the two.
@@ -139,6 +140,12 @@ pub(super) const CASES: &[Case] = &[
         exponents,
         (16, 12),
         "5,000 triangles whose coordinates have random exponents of ±18: no bound that goes by the largest says anything."
+    ),
+    case!(
+        "eye_among_triangles_of_any_size",
+        about_eye,
+        (16, 12),
+        "6,000 triangles with corners all about the eye, 1e-12 to 1e12 from it: each packet's frustum meets the boxes of all, and their corners have no places in it."
     ),
     case!(
         "thin_boxes_behind_one_another",

@@ -8,7 +8,9 @@ use crate::hit::{Cull, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::packet::counts::CastCounts;
 use crate::packet::ray_rect::RayRect;
+use crate::triangle::SharedTriangles;
 use crate::triangle::clip::Clip;
+use std::rc::Rc;
 
 /// Halves of a lattice, and the column and row of each half's first ray.
 type Halves = [(Lattice, (u32, u32)); 2];
@@ -81,7 +83,7 @@ impl Accel {
             precision,
             primitives,
             counts: &mut counts,
-            from_eye: None,
+            shared: Rc::new(SharedTriangles::new(false)),
         };
         find.cast_each(&RayRect::all(lattice));
         counts

@@ -9,7 +9,7 @@ use crate::triangle::interpolate::{
     LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
 use crate::triangle::linear::{LinearHit, Pencil, PencilRow};
-use crate::triangle::{CornerLanes, EyeTriangles};
+use crate::triangle::{CornerLanes, SharedTriangles};
 use std::rc::Rc;
 
 impl Accel {
@@ -114,7 +114,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             pencil: Pencil::new(lattice, accel.origin),
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
-            from_eye: has_eye.then(Rc::default),
+            shared: Rc::new(SharedTriangles::new(has_eye)),
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -177,8 +177,8 @@ struct Interpolate<'a, const INSTANCES: bool> {
     around: Option<PanoramaRays>,
     /// Indexed by the low bits of the primitive index.
     cached: [(u32, LinearHit); CACHED],
-    /// What the rays share of triangles, where all start at one eye.
-    from_eye: Option<Rc<EyeTriangles>>,
+    /// What the rays share of triangles.
+    shared: Rc<SharedTriangles>,
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -377,10 +377,7 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
             return PrimitiveHit::NONE;
         };
         let corners = self.accel.corners_of::<INSTANCES>(primitive);
-        let ray = match &self.from_eye {
-            Some(from_eye) => ray.sharing(from_eye, Detail::Full),
-            None => ray,
-        };
+        let ray = ray.sharing(&self.shared, Detail::Full);
         ray.hit_on(primitive, corners).to_primitive_hit()
     }
 }

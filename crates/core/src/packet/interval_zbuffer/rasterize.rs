@@ -108,6 +108,7 @@ impl IntervalZBuffer {
             self.overflowed |= set_up.overflows;
         }
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
+        self.sets_up_again = any_rough;
         if any_rough {
             self.cull_rough(&mut set_up);
         }

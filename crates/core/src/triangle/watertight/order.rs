@@ -81,15 +81,23 @@ impl PreparedRay {
         })
     }
 
+    /// The distances of a triangle's corners from another's plane, computed exactly and rounded.
+    fn exact_distances(&self, triangle: Placed, plane: Placed) -> [f64; 3] {
+        match &self.shared {
+            Some(shared) => shared.distances_from_plane(triangle, plane),
+            None => exact::distances_from_plane(triangle.1, plane.1),
+        }
+    }
+
     /// The same by exact distances from the planes: `Equal` where both triangles lie in one.
     fn compare_by_exact_planes(&self, hits: [PlacedHit; 2]) -> Option<Ordering> {
-        by_either_plane(hits, |(hit, corners), (_, of)| {
-            let distances = exact::distances_from_plane(corners, of);
+        by_either_plane(hits, |(hit, corners), (plane, of)| {
+            let distances = self.exact_distances((hit.primitive, corners), (plane.primitive, of));
             if distances == [0.0; 3] {
                 return Some(0.0);
             }
-            let plane = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
-            let distances = plane.with_bounds(distances);
+            let turned = Plane::new(of).turned_along(self.ray.direction, 0.0)?;
+            let distances = turned.with_bounds(distances);
             side_of_plane(distances, hit).or_else(|| {
                 let weights = self.closest_weights(hit.primitive, corners)?;
                 side_by_weights(distances, weights)
@@ -97,6 +105,9 @@ impl PreparedRay {
         })
     }
 }
+
+/// A triangle's primitive index and its corners.
+type Placed = (u32, [Vec3; 3]);
 
 /// A hit, and the corners of its triangle.
 type PlacedHit<'a> = (&'a BoundedHit, [Vec3; 3]);
@@ -155,7 +166,7 @@ mod tests {
     use crate::num::double_double::DoubleDouble;
     use crate::random::Random;
     use crate::ray::Ray;
-    use crate::triangle::EyeTriangles;
+    use crate::triangle::SharedTriangles;
     use glam::DVec3;
     use std::rc::Rc;
 
@@ -236,7 +247,7 @@ mod tests {
             let Some(alone) = prepared else { continue };
             let [a, b] = pair.map(|corners| alone.placed(corners));
             let truth = exact::compare(&ray, &a, &b, Cull::None);
-            let shared = Rc::new(EyeTriangles::default());
+            let shared = Rc::new(SharedTriangles::new(true));
             let of_both =
                 |ray: &PreparedRay| [0, 1].map(|which| ray.hit_on(which, pair[which as usize]));
             for detail in [None, Some(Detail::Full), Some(Detail::Triangle)] {

@@ -184,6 +184,13 @@ pub(super) fn exponents() -> ScenePair {
     pair(EYE, single_mesh(soup(&corners)), ordinary(5000, 0.5))
 }
 
+pub(super) fn about_eye() -> ScenePair {
+    let mut random = Random::new(580);
+    let about = triangles_on(6000, || random.in_cube() * random.decade(-12.0, 12.0));
+    let ordinary = triangles_on(6000, || random.in_cube() * 4.0);
+    pair_from_the_origin(&about, &ordinary)
+}
+
 pub(super) fn thin_boxes() -> ScenePair {
     let boxes = (0..30_000).map(|i| {
         let z = -1e-4 * f64::from(i);
