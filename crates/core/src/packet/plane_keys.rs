@@ -23,9 +23,9 @@
 //! componentwise bounds it is not.
 //!
 //! # Triangles behind others
-//! A triangle whose corners all lie s or more behind the plane is hit there, so that along a ray with the plane's key κ its
-//! relative key is at most −κs/(h + s), or −s/(N·d) where rays are parallel: triangles behind what a packet shows are
-//! skipped without set-up.
+//! Along a ray with the plane's key κ, a hit at the distance s behind it has a whole key κ' with κ' − κ = −sκ'/h, as
+//! above, and so the relative key −κs/(h + s), or −s/(N·d) where rays are parallel. Both fall with s: the least distance of
+//! a triangle's corners bounds its keys. Triangles behind what a packet shows are skipped without set-up.
 //!
 //! What h, N·d and κ are off by is taken from their own bounds, which other tests hold to; no test here shows it.
 

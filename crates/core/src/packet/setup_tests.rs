@@ -51,6 +51,23 @@ pub(super) fn camera(
     Camera::new(pose, projection, plane)
 }
 
+/// How many of eight rays hit the triangles that they are aimed at, by exact arithmetic. None of those may be culled;
+/// `culled` says which are, as bits.
+pub(super) fn kept_hits(culled: u32, aimed: [([Vec3; 3], Ray); LANES]) -> u32 {
+    let mut hits = 0;
+    for (l, (corners, ray)) in aimed.into_iter().enumerate() {
+        let triangle = OffsetTriangle {
+            corners,
+            origin: DVec3::ZERO,
+        };
+        if exact::hit(&ray, &triangle, Cull::None, 0).is_some() {
+            assert!(culled >> l & 1 == 0, "hit and culled: {corners:?} {ray:?}");
+            hits += 1;
+        }
+    }
+    hits
+}
+
 /// A triangle about as wide as some rays; one in three is edge-on except for rounding, or nearly so.
 fn triangle(random: &mut Random, camera: &Camera, pitch: f64) -> [Vec3; 3] {
     let place = random.point() * (10.0 * pitch);

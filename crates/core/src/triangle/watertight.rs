@@ -53,7 +53,7 @@ pub(crate) struct PreparedRay {
     precision: Precision,
     /// Whether any triangle so far was decided exactly.
     was_exact: Cell<bool>,
-    /// What other rays from the same eye know of triangles; `None` for a ray of its own.
+    /// What other rays know of triangles; `None` for a ray of its own.
     shared: Option<Rc<SharedTriangles>>,
     /// Which numbers of its hits are needed.
     detail: Detail,

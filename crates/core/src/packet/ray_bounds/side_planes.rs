@@ -62,9 +62,8 @@ mod tests {
     use crate::hit::Cull;
     use crate::num::simd::Plain;
     use crate::packet::setup::PacketSpace;
-    use crate::packet::setup_tests::{lanes_of, space};
+    use crate::packet::setup_tests::{kept_hits, lanes_of, space};
     use crate::random::Random;
-    use crate::triangle::exact::{self, OffsetTriangle};
     use glam::{DVec3, Vec3};
 
     /// A packet's space, and its camera with 32 × 32 rays, for an eye of these coordinates.
@@ -109,16 +108,7 @@ mod tests {
             };
             let triangles: [_; LANES] = std::array::from_fn(|_| aimed());
             let beside = beside(&space, triangles.map(|(corners, _)| corners));
-            for (l, (corners, ray)) in triangles.into_iter().enumerate() {
-                let triangle = OffsetTriangle {
-                    corners,
-                    origin: DVec3::ZERO,
-                };
-                if exact::hit(&ray, &triangle, Cull::None, 0).is_some() {
-                    assert!(beside >> l & 1 == 0, "{corners:?} {ray:?}");
-                    hits += 1;
-                }
-            }
+            hits += kept_hits(beside, triangles);
         }
         assert!(hits > 10_000, "{hits}");
     }
@@ -151,18 +141,9 @@ mod tests {
             let triangles = [(); LANES]
                 .map(|()| [(); 3].map(|()| (random.point() * 8.0).round().as_vec3() * least));
             let beside = beside(&space, triangles);
-            for (l, corners) in triangles.into_iter().enumerate() {
-                let triangle = OffsetTriangle {
-                    corners,
-                    origin: DVec3::ZERO,
-                };
-                for place in [0.5, 15.5, 31.5] {
-                    let ray = camera.ray(place, place);
-                    if exact::hit(&ray, &triangle, Cull::None, 0).is_some() {
-                        assert!(beside >> l & 1 == 0, "{corners:?} {ray:?}");
-                        hits += 1;
-                    }
-                }
+            for place in [0.5, 15.5, 31.5] {
+                let ray = camera.ray(place, place);
+                hits += kept_hits(beside, triangles.map(|corners| (corners, ray)));
             }
         }
         assert!(hits > 1000, "{hits}");

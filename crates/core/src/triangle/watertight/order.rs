@@ -81,14 +81,6 @@ impl PreparedRay {
         })
     }
 
-    /// The distances of a triangle's corners from another's plane, computed exactly and rounded.
-    fn exact_distances(&self, triangle: Placed, plane: Placed) -> [f64; 3] {
-        match &self.shared {
-            Some(shared) => shared.distances_from_plane(triangle, plane),
-            None => exact::distances_from_plane(triangle.1, plane.1),
-        }
-    }
-
     /// The same by exact distances from the planes: `Equal` where both triangles lie in one.
     fn compare_by_exact_planes(&self, hits: [PlacedHit; 2]) -> Option<Ordering> {
         by_either_plane(hits, |(hit, corners), (plane, of)| {
@@ -103,6 +95,14 @@ impl PreparedRay {
                 side_by_weights(distances, weights)
             })
         })
+    }
+
+    /// The distances of a triangle's corners from another's plane, computed exactly and rounded.
+    fn exact_distances(&self, triangle: Placed, plane: Placed) -> [f64; 3] {
+        match &self.shared {
+            Some(shared) => shared.distances_from_plane(triangle, plane),
+            None => exact::distances_from_plane(triangle.1, plane.1),
+        }
     }
 }
 
