@@ -1,6 +1,6 @@
 //! Colours of triangles under flat light, eight at once.
 //!
-//! Where triangles are a few pixels wide, a picture under flat light meets a new one every few samples, and its normal and
+//! Where triangles are some pixels wide, a picture under flat light meets a new one every few samples, and its normal and
 //! its light take longer than the samples. Here eight triangles get theirs in loops that the compiler vectorises, with the
 //! bits of [`Shader::constant_color`].
 
@@ -11,7 +11,7 @@ use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::{CornerLanes, vectors_in_lane};
 use glam::DVec3;
 
-/// The colours of eight triangles, as [`Shader::constant_color`] gives them where [`Shader::has_small_flat_triangles`].
+/// The colours of eight triangles, as [`Shader::constant_color`] gives them where [`Shader::has_flat_triangles`].
 pub(super) struct FlatColors<'c, 's> {
     pub(super) shader: &'c Shader<'s>,
     pub(super) primitives: &'c [u32; LANES],

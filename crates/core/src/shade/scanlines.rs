@@ -85,6 +85,13 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         let mut textures = colors.have_textures().then(RowTextures::new);
         let mut coverages = shader.needs().edges.then(|| Numbers::all(0.0));
         let has_normals = matches!(colors, RowColors::Smooth | RowColors::Normals);
+        // Nothing else writes these numbers where there are no textures.
+        let only_color = shader.only_color().filter(|_| textures.is_none());
+        if let Some(only) = only_color {
+            for (numbers, color) in numbers[3..].iter_mut().zip(only.to_array()) {
+                *numbers = Numbers::all(color);
+            }
+        }
         let mut short = (has_normals && coverages.is_none()).then_some(ShortSpans::NONE);
         let mut unencoded = Unencoded::new();
         let mut columns = Columns::new(shader, &lattice, 0);
@@ -112,6 +119,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     coverages: coverages.as_mut(),
                     short: short.as_mut(),
                     textured: None,
+                    has_only_color: only_color.is_some(),
                     primitives,
                     y,
                 };
@@ -161,6 +169,8 @@ struct Scanline<'r, 's, 'h> {
     short: Option<&'r mut ShortSpans>,
     /// What the samples that are evaluated and not coloured yet are textured with.
     textured: Option<Textured<'s>>,
+    /// Whether all triangles have one colour, which is among the numbers already.
+    has_only_color: bool,
     primitives: &'h [u32],
     y: f64,
 }
@@ -243,7 +253,7 @@ impl<'s> Scanline<'_, 's, '_> {
             for (numbers, normals) in self.numbers.iter_mut().zip(&normals.xyz) {
                 numbers.0[at] = normals[lane];
             }
-            if !matches!(self.colors, RowColors::Normals) {
+            if !matches!(self.colors, RowColors::Normals) && !self.has_only_color {
                 let color = triangles.color(shader, lane).to_array();
                 for (numbers, color) in self.numbers[3..].iter_mut().zip(color) {
                     numbers.0[at] = color;
@@ -295,7 +305,9 @@ impl<'s> Scanline<'_, 's, '_> {
             }
             RowColors::Facets => {
                 fill(lanes, facet.normal.to_array(), numbers, span);
-                fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
+                if !self.has_only_color {
+                    fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
+                }
             }
             RowColors::Smooth | RowColors::SmoothTextured | RowColors::Normals => {
                 let Some(normal) = &facet.linear_normal else {
@@ -313,7 +325,7 @@ impl<'s> Scanline<'_, 's, '_> {
                     store(normal.xyz(), numbers, at);
                     at += LANES;
                 }
-                if !matches!(self.colors, RowColors::Normals) {
+                if !matches!(self.colors, RowColors::Normals) && !self.has_only_color {
                     fill(lanes, facet.color.to_array(), &mut numbers[3..], span);
                 }
             }

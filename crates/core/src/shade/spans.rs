@@ -24,25 +24,34 @@ pub(super) struct Spans<'h> {
 #[inline(always)]
 pub(super) fn spans(primitives: &[u32]) -> Spans<'_> {
     let primitives = &primitives[..primitives.len().min(COLUMNS)];
-    let (eights, rest) = primitives.as_chunks::<LANES>();
-    let mut starts = 0;
-    let mut last = primitives.first().map_or(0, |&first| !first);
+    let count = primitives.len();
+    let mut starts = u64::from(count > 0);
     // Without a branch, and eight at once: most rows have a span every few samples.
-    for (number, eight) in eights.iter().enumerate() {
-        let mut before = [last; LANES];
-        before[1..].copy_from_slice(&eight[..LANES - 1]);
-        let mut bits = 0;
-        for lane in 0..LANES {
-            bits |= u32::from(eight[lane] != before[lane]) << lane;
-        }
-        starts |= u64::from(bits) << (number * LANES);
-        last = eight[LANES - 1];
+    let mut at = 1;
+    while at + LANES <= count {
+        starts |= changes(primitives, at) << at;
+        at += LANES;
     }
-    for (at, &primitive) in (eights.len() * LANES..).zip(rest) {
-        starts |= u64::from(primitive != last) << at;
-        last = primitive;
+    if at < count && count > LANES {
+        // Some of these are known already.
+        starts |= changes(primitives, count - LANES) << (count - LANES);
+    } else {
+        for at in at..count {
+            starts |= u64::from(primitives[at] != primitives[at - 1]) << at;
+        }
     }
     Spans { primitives, starts }
+}
+
+/// A bit for each of eight samples, from the one at `at` on, that shows another triangle than the one before it.
+#[inline(always)]
+fn changes(primitives: &[u32], at: usize) -> u64 {
+    let (before, after) = (&primitives[at - 1..][..LANES], &primitives[at..][..LANES]);
+    let mut bits = 0;
+    for lane in 0..LANES {
+        bits |= u32::from(after[lane] != before[lane]) << lane;
+    }
+    bits.into()
 }
 
 impl Spans<'_> {

@@ -1,29 +1,26 @@
 use super::facet::{Facet, SurfaceTriangle};
 use super::flat_colors::FlatColors;
 use super::hit_rows::HitRows;
-use super::spans::within;
+use super::spans::{COLUMNS, Span, spans, within};
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
 use crate::num::simd::{LANES, Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::DVec3;
 
-/// Entries of the cache of colours, two kilobytes: they hold most of the triangles that 64 × 64 pixels show where
-/// triangles are a few pixels wide.
-const COLORS: usize = 256;
+/// Entries of the cache of colours, 16 kilobytes: several for each triangle that 64 × 64 pixels show where triangles are a
+/// few pixels wide. With 512 half of those that are computed ahead would take the entries of others that come back.
+const COLORS: usize = 2048;
 
 /// Entries of the cache of shading triangles, some 300 bytes each. A small triangle comes back in the next row of pixels;
 /// with fewer entries it would be prepared again.
 const FACETS: usize = 256;
 
-/// The changes of triangle in a run from which on it is worth looking for triangles that are not cached: looking in every
-/// run took 5 to 9 % of the time of pictures with large triangles, from four changes on 2 %.
-const MANY: u32 = 4;
+/// The samples among which others are looked for whose colours are computed along with one: four rows of a tile, but one
+/// row where triangles are large.
+const AHEAD: usize = 4 * COLUMNS;
 
-/// The fewest triangles of a run whose colours are computed at once.
-const FEWEST: usize = 3;
-
-/// Pixels that are tested at once for showing one triangle; most such runs do, or show none.
+/// Pixels that are tested at once for showing one triangle, or none.
 const RUN: usize = 16;
 
 /// A [`Shader`] with caches of triangles, for neighbouring pixels. Its colours are those of the [`Shader`], bit for bit.
@@ -32,8 +29,8 @@ pub struct TileShader<'s> {
     shader: &'s Shader<'s>,
     /// Colours of triangles with one colour: a direct-mapped cache, indexed by the low bits of the primitive index.
     colors: [(u32, [u8; 4]); COLORS],
-    /// Whether the colours of several triangles of a run are computed at once.
-    prepares_colors: bool,
+    /// Whether colours are computed eight at once, ahead of the samples that show them.
+    looks_ahead: bool,
     /// Shading triangles, cached likewise; empty until one is needed.
     facets: Vec<(u32, Facet)>,
     /// Shading triangles for channels beside colours, cached likewise.
@@ -52,7 +49,7 @@ impl<'s> TileShader<'s> {
         Self {
             shader,
             colors: [(MISS, [0; 4]); COLORS],
-            prepares_colors: shader.has_small_flat_triangles(),
+            looks_ahead: shader.has_flat_triangles(),
             facets: Vec::new(),
             surfaces: Vec::new(),
         }
@@ -227,92 +224,100 @@ impl<'s> TileShader<'s> {
         );
     }
 
-    /// Shades pixels of a row, from column `left` on. `CONSTANT`: each triangle has one colour.
+    /// Shades pixels of a row, from column `left` on.
     #[inline(always)]
-    fn shade_row<const CONSTANT: bool>(
-        &mut self,
-        left: u32,
-        y: u32,
-        primitives: &[u32],
-        pixels: &mut [[u8; 4]],
-    ) {
-        let prepares_colors = CONSTANT && self.prepares_colors;
-        let count = primitives.len().min(pixels.len());
-        let (primitives, pixels) = (&primitives[..count], &mut pixels[..count]);
+    fn shade_row(&mut self, left: u32, y: u32, primitives: &[u32], pixels: &mut [[u8; 4]]) {
         let backdrop = self.shader.backdrop8(y);
         let y = f64::from(y) + 0.5;
-        // Misses are cached as a triangle of one colour, which changes from row to row.
-        self.colors[MISS as usize % COLORS] = (MISS, backdrop);
-        let (runs, _) = primitives.as_chunks::<RUN>();
-        for (run, primitives) in runs.iter().enumerate() {
-            let pixels = &mut pixels[run * RUN..run * RUN + RUN];
-            let left = left + (run * RUN) as u32;
-            if *primitives == [primitives[0]; RUN] && (CONSTANT || primitives[0] == MISS) {
-                pixels.fill(self.constant(f64::from(left) + 0.5, y, primitives[0]));
-            } else {
-                if prepares_colors && changes(primitives) >= MANY {
-                    self.prepare_colors(primitives);
-                }
-                self.shade_each::<CONSTANT>(left, y, primitives, pixels);
+        let runs = primitives.chunks(RUN).zip(pixels.chunks_mut(RUN));
+        for (run, (primitives, pixels)) in runs.enumerate() {
+            if primitives.iter().all(|&primitive| primitive == MISS) {
+                pixels.fill(backdrop);
+                continue;
+            }
+            let left = f64::from(left) + (run * RUN) as f64 + 0.5;
+            for (column, (&primitive, pixel)) in primitives.iter().zip(pixels).enumerate() {
+                *pixel = match primitive {
+                    MISS => backdrop,
+                    _ => srgb::encode(self.color(left + column as f64, y, &on(primitive))),
+                };
             }
         }
-        let done = runs.len() * RUN;
-        let left = left + done as u32;
-        self.shade_each::<CONSTANT>(left, y, &primitives[done..], &mut pixels[done..]);
     }
 
-    /// Some pixels of a row, one by one.
+    /// Shades pixels of a row, from column `left` on, where each triangle has one colour. `primitives` are those of the row
+    /// and of the rows after it.
     #[inline(always)]
-    fn shade_each<const CONSTANT: bool>(
+    fn shade_constant_row(
         &mut self,
-        left: u32,
-        y: f64,
+        (left, y): (u32, u32),
         primitives: &[u32],
         pixels: &mut [[u8; 4]],
     ) {
-        for (column, (&primitive, pixel)) in primitives.iter().zip(pixels).enumerate() {
-            let x = f64::from(left) + column as f64 + 0.5;
-            *pixel = if CONSTANT || primitive == MISS {
-                self.constant(x, y, primitive)
+        // Misses are cached as a triangle of one colour, which changes from row to row.
+        self.colors[MISS as usize % COLORS] = (MISS, self.shader.backdrop8(y));
+        let count = primitives.len().min(pixels.len());
+        let (row, pixels) = (&primitives[..count], &mut pixels[..count]);
+        let (runs, _) = row.as_chunks::<RUN>();
+        for (run, of_run) in runs.iter().enumerate() {
+            let first = run * RUN;
+            let pixels = &mut pixels[first..first + RUN];
+            if *of_run == [of_run[0]; RUN] {
+                let (known, color) = self.colors[of_run[0] as usize % COLORS];
+                pixels.fill(match known == of_run[0] {
+                    true => color,
+                    false => self.unknown_color((left, y), primitives, first),
+                });
             } else {
-                srgb::encode(self.color(x, y, &on(primitive)))
-            };
-        }
-    }
-
-    /// Caches the colours of the triangles of a run under flat light, eight at once, where several are not cached.
-    #[inline(always)]
-    fn prepare_colors(&mut self, primitives: &[u32; RUN]) {
-        let (mut unknown, mut count) = ([MISS; RUN], 0);
-        let mut last = MISS;
-        for &primitive in primitives {
-            let (known, _) = self.colors[primitive as usize % COLORS];
-            unknown[count % RUN] = primitive;
-            let is_new = (primitive != last) & (primitive != MISS) & (primitive != known);
-            count += usize::from(is_new);
-            last = primitive;
-        }
-        if count >= FEWEST {
-            self.new_colors(&unknown, count);
-        }
-    }
-
-    #[inline(never)]
-    fn new_colors(&mut self, unknown: &[u32; RUN], count: usize) {
-        for unknown in unknown[..count.min(RUN)].chunks(LANES) {
-            let mut primitives = [unknown[0]; LANES];
-            primitives[..unknown.len()].copy_from_slice(unknown);
-            let mut colors = [[0; 4]; LANES];
-            let work = FlatColors {
-                shader: self.shader,
-                primitives: &primitives,
-                colors: &mut colors,
-            };
-            dispatch(self.shader.simd(), work);
-            for (&primitive, color) in unknown.iter().zip(colors) {
-                self.colors[primitive as usize % COLORS] = (primitive, color);
+                self.shade_constants((left, y), primitives, first, (of_run, pixels));
             }
         }
+        let first = runs.len() * RUN;
+        let rest = (&row[first..], &mut pixels[first..]);
+        self.shade_constants((left, y), primitives, first, rest);
+    }
+
+    /// Some pixels of a row, one by one: those from number `first` of `all` on.
+    #[inline(always)]
+    fn shade_constants(
+        &mut self,
+        place: (u32, u32),
+        all: &[u32],
+        first: usize,
+        (primitives, pixels): (&[u32], &mut [[u8; 4]]),
+    ) {
+        for (at, (&primitive, pixel)) in (first..).zip(primitives.iter().zip(pixels)) {
+            let (known, color) = self.colors[primitive as usize % COLORS];
+            *pixel = match known == primitive {
+                true => color,
+                false => self.unknown_color(place, all, at),
+            };
+        }
+    }
+
+    /// The colour of sample `at` of `all`, which begin at a place, cached for others.
+    #[cold]
+    fn unknown_color(&mut self, (left, y): (u32, u32), all: &[u32], at: usize) -> [u8; 4] {
+        let primitive = all[at];
+        if self.looks_ahead && primitive != MISS {
+            return self.new_colors(&all[at..]);
+        }
+        let x = f64::from(left) + at as f64 + 0.5;
+        self.new_constant(x, f64::from(y) + 0.5, primitive)
+    }
+
+    /// Caches the colours under flat light of the first sample's triangle and of up to seven others that are not cached;
+    /// returns the first.
+    fn new_colors(&mut self, samples: &[u32]) -> [u8; 4] {
+        let mut color = [0; 4];
+        let work = NewColors {
+            shader: self.shader,
+            known: &mut self.colors,
+            samples: &samples[..samples.len().min(AHEAD)],
+            color: &mut color,
+        };
+        dispatch(self.shader.simd(), work);
+        color
     }
 
     /// The colour of a triangle with one colour, or of a miss.
@@ -389,31 +394,72 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
         let shader = self.shader;
         let constant = shader.shader.is_constant();
         let has_overlay = shader.shader.has_overlay();
-        let primitives = self.primitives.chunks(columns);
-        for ((y, primitives), pixels) in (self.rect.y..).zip(primitives).zip(self.rows) {
-            if has_overlay {
+        let mut primitives = self.primitives;
+        for (y, pixels) in (self.rect.y..).zip(self.rows) {
+            let pixels = within(pixels, columns);
+            if primitives.is_empty() {
+                break;
+            }
+            if constant && !has_overlay {
+                shader.shade_constant_row((left, y), primitives, pixels);
+            } else if !has_overlay {
+                shader.shade_row(left, y, primitives, pixels);
+            } else {
                 for (x, (&primitive, pixel)) in (left..).zip(primitives.iter().zip(&mut *pixels)) {
                     let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
                     *pixel = shader.pixel8(x, y, &on(primitive));
                 }
-            } else if constant {
-                shader.shade_row::<true>(left, y, primitives, pixels);
-            } else {
-                shader.shade_row::<false>(left, y, primitives, pixels);
             }
-            shader.shader.clear_beyond(left, y, within(pixels, columns));
+            shader.shader.clear_beyond(left, y, pixels);
+            primitives = &primitives[columns.min(primitives.len())..];
         }
     }
 }
 
-/// How many samples of a run show another triangle than the one before.
-#[inline(always)]
-fn changes(primitives: &[u32; RUN]) -> u32 {
-    let (before, after) = (&primitives[..RUN - 1], &primitives[1..]);
-    let pairs = before.iter().zip(after);
-    pairs
-        .map(|(before, after)| u32::from(before != after))
-        .sum()
+/// The arguments of [`TileShader::new_colors`].
+struct NewColors<'t, 's> {
+    shader: &'s Shader<'s>,
+    known: &'t mut [(u32, [u8; 4]); COLORS],
+    samples: &'t [u32],
+    color: &'t mut [u8; 4],
+}
+
+impl Work for NewColors<'_, '_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let mut primitives = [self.samples[0]; LANES];
+        let mut count = 0;
+        'search: for row in self.samples.chunks(COLUMNS) {
+            let spans = spans(row);
+            let are_large = spans.len() < LANES as u32;
+            for Span { primitive, .. } in spans {
+                let (known, _) = &mut self.known[primitive as usize % COLORS];
+                let is_new = (*known != primitive) & (primitive != MISS);
+                // What is found is known from here on. Where two share an entry the later one has it, below too.
+                *known = if is_new { primitive } else { *known };
+                primitives[count] = primitive;
+                count += usize::from(is_new);
+                if count == LANES {
+                    break 'search;
+                }
+            }
+            if are_large {
+                break;
+            }
+        }
+        primitives[count..].fill(self.samples[0]);
+        let mut colors = [[0; 4]; LANES];
+        let work = FlatColors {
+            shader: self.shader,
+            primitives: &primitives,
+            colors: &mut colors,
+        };
+        work.run(lanes);
+        for (primitive, color) in primitives.into_iter().zip(colors).take(count) {
+            self.known[primitive as usize % COLORS] = (primitive, color);
+        }
+        *self.color = colors[0];
+    }
 }
 
 /// A hit of which nothing is known but the triangle.

@@ -12,13 +12,12 @@ use crate::shade::{Mode, Shading};
 use std::sync::Arc;
 
 /// The fewest pixels of the picture for each of the scene's triangles with which depths and weights come from linear
-/// functions, and flat colours are computed one by one.
+/// functions.
 ///
 /// Linear functions are prepared once a triangle, while interpolating from the corners prepares nothing. Chosen between two
 /// measured scenes: with 30 pixels a triangle functions saved a fifth of the picture's time, with 5 shading took twice as
-/// long. A lower limit slows fine meshes, a higher one leaves coarse ones slow. Looking for flat triangles that are not
-/// cached cost 2 % of the picture's time with 76 pixels a triangle, and saved as much with 8, and a quarter with 0.6. It
-/// counts the whole picture, so that the colours of a tile do not depend on its size.
+/// long. A lower limit slows fine meshes, a higher one leaves coarse ones slow. It counts the whole picture, so that the
+/// colours of a tile do not depend on its size.
 const PIXELS_A_TRIANGLE: f64 = 16.0;
 
 impl Shader<'_> {
@@ -107,9 +106,9 @@ impl Shader<'_> {
             && !self.has_many_eyes()
     }
 
-    /// Whether that colour is the triangle's own under the light on all of it, and triangles may be a few pixels wide.
-    pub(in crate::shade) fn has_small_flat_triangles(&self) -> bool {
-        self.needs.light && self.is_constant() && self.has_small_triangles()
+    /// Whether that colour is the triangle's own under the light on all of it.
+    pub(in crate::shade) fn has_flat_triangles(&self) -> bool {
+        self.needs.light && self.is_constant()
     }
 
     /// Whether the picture has few pixels for each of the scene's triangles.
