@@ -1,32 +1,39 @@
 //! Colours of triangles under flat light, eight at once.
 //!
-//! Where triangles are some pixels wide, a picture under flat light meets a new one every few samples, and its normal and
-//! its light take longer than the samples. Here eight triangles get theirs in loops that the compiler vectorises, with the
-//! bits of [`Shader::constant_color`].
+//! Where triangles are some pixels wide, a picture under flat light meets a new one every few samples, and its normal
+//! and its light take longer than the samples. Here eight triangles get theirs in loops that the compiler vectorises,
+//! with the bits of [`Shader::constant_color`].
 
 use super::Shader;
 use super::facet::{middle_to_eye, visible_normal};
+use super::triangle_cache::TriangleCache;
 use super::vectors::{Rows, Vectors};
 use crate::num::simd::{LANES, Lanes, Work};
 use crate::triangle::{CornerLanes, vectors_in_lane};
 use glam::DVec3;
 
-/// The colours of eight triangles, as [`Shader::constant_color`] gives them where [`Shader::has_flat_triangles`].
-pub(super) struct FlatColors<'c, 's> {
-    pub(super) shader: &'c Shader<'s>,
-    pub(super) primitives: &'c [u32; LANES],
-    pub(super) colors: &'c mut [[u8; 4]; LANES],
+/// Entries of the cache, 16 kilobytes: several for each triangle that 64 × 64 pixels show where triangles are a few
+/// pixels wide. With 512 half of those that are computed ahead take the entries of others that come back.
+const ENTRIES: usize = 2048;
+
+/// The colours of triangles that neighbouring samples show.
+pub(super) type TriangleColors = TriangleCache<[u8; 4], ENTRIES>;
+
+/// Caches the colours of the first sample's triangle and of up to seven others that are not cached, where
+/// [`Shader::has_flat_triangles`].
+pub(super) struct LightTriangles<'t, 's> {
+    pub(super) shader: &'s Shader<'s>,
+    pub(super) known: &'t mut TriangleColors,
+    /// Samples of a tile, from the first on that shows a triangle that is not cached.
+    pub(super) samples: &'t [u32],
 }
 
-impl Work for FlatColors<'_, '_> {
+impl Work for LightTriangles<'_, '_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
-        let Self {
-            shader,
-            primitives,
-            colors,
-        } = self;
-        let corners = shader.accel().eight_corners::<true>(lanes, primitives);
+        let Self { shader, known, .. } = self;
+        let unknown = known.unknown(self.samples);
+        let corners = (shader.accel()).eight_corners::<true>(lanes, &unknown.primitives);
         let Directions { normals, to_eye } = Directions::of(shader, &corners);
         let light = shader.light(
             lanes,
@@ -37,27 +44,28 @@ impl Work for FlatColors<'_, '_> {
             Some(color) => Vectors::splat(lanes, color),
             None => {
                 let mut own = Rows::ZERO;
-                for (lane, &primitive) in primitives.iter().enumerate() {
+                for (lane, &primitive) in unknown.primitives.iter().enumerate() {
                     let (object, number) = shader.accel().identify(primitive);
                     own.set(lane, shader.triangle_color(object, number, primitive));
                 }
                 Vectors::load(lanes, &own)
             }
         };
-        let lit = own.times(light);
-        shader.tables.encode_row(lanes, lit, colors);
+        let mut colors = [[0; 4]; LANES];
+        (shader.tables).encode_row(lanes, own.times(light), &mut colors);
+        known.set_all(&unknown, &colors);
     }
 }
 
 /// The unit normals of eight triangles, on the side of the eye, and the unit vectors to the eye.
-struct Directions {
-    normals: Rows,
+pub(super) struct Directions {
+    pub(super) normals: Rows,
     to_eye: Rows,
 }
 
 impl Directions {
     #[inline(always)]
-    fn of(shader: &Shader<'_>, corners: &CornerLanes) -> Self {
+    pub(super) fn of(shader: &Shader<'_>, corners: &CornerLanes) -> Self {
         let mut directions = Self {
             normals: Rows::ZERO,
             to_eye: Rows::ZERO,

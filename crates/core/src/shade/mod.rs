@@ -1,12 +1,13 @@
 //! Shading: from hits to colours.
 //!
-//! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its submodule
-//! `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says what of that a
-//! mode needs. [`TileShader`] caches these, and the colours of triangles that have one each, which `flat_colors` computes
-//! eight at once where triangles are small. `texture` reads surfaces' images, and `lines` draws edges. `scanlines` shades
-//! rows whose colours follow from linear functions (`short_spans` where triangles are as small as samples), `eight`
-//! shades eight samples of a row at once in lanes, `eight_texture` reads their textures and `eight_channels` fills the other
-//! channels of a picture, all with the bits of single samples.
+//! [`Shader`] has what a picture's pixels share, and defines the colour of one sample ([`Shader::color`]). Its
+//! submodule `triangles` prepares shading triangles (`facet`), which have what a triangle's pixels share; `needs` says
+//! what of that a mode needs. [`TileShader`] caches these. Where less is needed, `triangle_cache` looks ahead for eight
+//! triangles at once: for their colours under flat light (`flat_colors`), or for normals and colours (`plain_facets`).
+//! `texture` reads surfaces' images, and `lines` draws edges. `scanlines` shades rows whose colours follow from linear
+//! functions (`short_spans` where triangles are as small as samples), `eight` shades eight samples of a row at once in
+//! lanes, `eight_texture` reads their textures and `eight_channels` fills the other channels of a picture, all with the
+//! bits of single samples.
 
 mod depth_colors;
 mod edge_choice;
@@ -37,6 +38,7 @@ mod opacities;
 mod own_color;
 #[cfg(test)]
 mod own_color_tests;
+mod plain_facets;
 mod ramp;
 mod reflection;
 mod row_textures;
@@ -61,6 +63,7 @@ mod texture;
 mod tile;
 mod tile_rays;
 mod translucent;
+mod triangle_cache;
 mod vectors;
 #[cfg(test)]
 mod vertex_color_tests;

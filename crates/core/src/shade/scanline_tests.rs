@@ -1,5 +1,5 @@
-//! Rows of samples against single ones, where a row is longer than what is shaded at once and some of its triangles have
-//! no accurate linear functions.
+//! Rows of samples against single ones, where a row is longer than what is shaded at once and some of its triangles
+//! have no accurate linear functions.
 
 use super::eight_colors::{EightColors, RowColors};
 use super::facet::Interpolation;
@@ -55,8 +55,8 @@ const WALL: [DVec3; 4] = [
     DVec3::new(-2.0, 1.0, 0.0),
 ];
 
-/// A floor and a wall with textures, the floor's by texture coordinates and the wall's from three sides; before the wall
-/// a square with another texture and one without.
+/// A floor and a wall with textures, the floor's by texture coordinates and the wall's from three sides; before the
+/// wall a square with another texture and one without.
 fn textured_scene() -> Scene {
     let mut random = Random(31);
     let mut texture = |is_opaque: bool| {
@@ -216,16 +216,18 @@ fn rows_of_small_triangles_have_the_colours_of_their_samples() {
 /// Meshes without normals in the smooth mode.
 #[test]
 fn rows_of_facets_under_light_have_the_colours_of_their_samples() {
-    let mut crumbs = Object::new("crumbs", crumbs(&mut Random(78), false));
-    crumbs.color = ColorRule::PerTriangle { seed: 2 };
+    let crumbs = Object::new("crumbs", crumbs(&mut Random(78), false));
     let wall = Mesh::new(MeshData {
         positions: WALL.to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..MeshData::default()
     });
-    let scene = Scene {
+    let of_one_color = Scene {
         objects: vec![crumbs, Object::new("wall", Arc::new(wall))],
     };
+    let mut of_many = of_one_color.clone();
+    of_many.objects[0].color = ColorRule::PerTriangle { seed: 2 };
+    of_many.objects[1].transform.rotate = DVec3::new(0.0, 0.0, 3.0);
     let mut shadings = Vec::new();
     for lights in [LightSet::Soft, LightSet::Headlight, LightSet::ThreePoint] {
         for (back_faces, wireframe) in [
@@ -242,15 +244,20 @@ fn rows_of_facets_under_light_have_the_colours_of_their_samples() {
             });
         }
     }
-    for projection in [Projection::Perspective, Projection::Orthographic] {
-        let accel = Accel::build(&scene).expect("a good scene");
+    for (scene, projection) in [
+        (&of_one_color, Projection::Perspective),
+        (&of_one_color, Projection::Orthographic),
+        (&of_many, Projection::Perspective),
+        (&of_many, Projection::Orthographic),
+    ] {
+        let accel = Accel::build(scene).expect("a good scene");
         let camera = camera(projection, 0.0);
         for &shading in &shadings {
-            let shader = Shader::new(&scene, &accel, camera, shading);
+            let shader = Shader::new(scene, &accel, camera, shading);
             let way = shader.row_colors(EightColors::Smooth);
             assert!(matches!(way, Some((RowColors::Facets, _))), "{shading:?}");
         }
-        let counts = compare(&scene, (projection, 0.0), &shadings);
+        let counts = compare(scene, (projection, 0.0), &shadings);
         assert!(
             counts.alone > 30_000 && counts.misses > 10_000,
             "{counts:?}"

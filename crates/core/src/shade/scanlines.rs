@@ -1,12 +1,13 @@
 //! Rows of samples whose colours follow from the triangles and from functions that are linear over the image plane.
 //!
 //! A row is shaded in two steps. First each span of samples that show one triangle gets the values of the triangle's
-//! functions, eight samples at a time; a span's last eight may reach into the next span, which overwrites them. Then eight
-//! samples at a time are coloured by these numbers, whatever triangles they show, but for the texture, which neighbouring
-//! spans may share. Each sample has the bits of [`Shader::color`](super::Shader::color).
+//! functions, eight samples at a time; a span's last eight may reach into the next span, which overwrites them. Then
+//! eight samples at a time are coloured by these numbers, whatever triangles they show, but for the texture, which
+//! neighbouring spans may share. Each sample has the bits of [`Shader::color`](super::Shader::color).
 
 mod looks;
 mod outputs;
+mod plain_rows;
 
 use super::eight_colors::{EightSamples, RowColors, Target};
 use super::eight_lines::EightLines;
@@ -28,6 +29,7 @@ use looks::{
     TextureCoordinates, Weights,
 };
 use outputs::{Bytes, Light, Out, Unencoded};
+use plain_rows::WritePlainRow;
 
 /// Numbers of a sample, at most: U, V, W and texture coordinates at the corners.
 const NUMBERS: usize = 9;
@@ -108,6 +110,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     columns = Columns::new(shader, &lattice, left as u32);
                 }
                 let primitives = hits.row(begin + left, (width - left).min(COLUMNS));
+                let ahead = hits.row(begin + left, usize::MAX);
                 shader.prefetch(lanes, primitives);
                 let scanline = Scanline {
                     tile,
@@ -121,6 +124,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     textured: None,
                     has_only_color: only_color.is_some(),
                     primitives,
+                    ahead,
                     y,
                 };
                 let count = primitives.len();
@@ -172,6 +176,8 @@ struct Scanline<'r, 's, 'h> {
     /// Whether all triangles have one colour, which is among the numbers already.
     has_only_color: bool,
     primitives: &'h [u32],
+    /// They, and those of the samples after them.
+    ahead: &'h [u32],
     y: f64,
 }
 
@@ -187,6 +193,19 @@ impl<'s> Scanline<'_, 's, '_> {
             end: count,
         };
         let mut spans = spans(self.primitives);
+        let are_many = spans.len() >= LANES as u32;
+        let is_plain =
+            are_many && matches!(self.colors, RowColors::Facets) && self.coverages.is_none();
+        if is_plain {
+            let work = WritePlainRow {
+                tile: self.tile,
+                numbers: self.numbers,
+                ahead: self.ahead,
+                count,
+                has_colors: !self.has_only_color,
+            };
+            dispatch(work.tile.shader().simd(), work);
+        }
         if !short_spans::are_worth_it(spans.len(), count) {
             self.short = None;
         }
@@ -207,6 +226,8 @@ impl<'s> Scanline<'_, 's, '_> {
                 if first >= count {
                     break;
                 }
+            } else if is_plain {
+                // Written before.
             } else if self.is_short(span) {
                 for at in span.first..span.end {
                     let short = self.short.as_mut();

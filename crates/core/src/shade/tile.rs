@@ -1,38 +1,34 @@
 use super::facet::{Facet, SurfaceTriangle};
-use super::flat_colors::FlatColors;
+use super::flat_colors::{LightTriangles, TriangleColors};
 use super::hit_rows::HitRows;
-use super::spans::{COLUMNS, Span, spans, within};
+use super::plain_facets::{PlainFacet, PlainFacets, PreparePlainFacets};
+use super::spans::within;
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
-use crate::num::simd::{LANES, Lanes, Work, dispatch};
+use crate::num::simd::{Lanes, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::DVec3;
 
-/// Entries of the cache of colours, 16 kilobytes: several for each triangle that 64 × 64 pixels show where triangles are a
-/// few pixels wide. With 512 half of those that are computed ahead would take the entries of others that come back.
-const COLORS: usize = 2048;
-
-/// Entries of the cache of shading triangles, some 300 bytes each. A small triangle comes back in the next row of pixels;
-/// with fewer entries it would be prepared again.
+/// Entries of the cache of shading triangles, some 300 bytes each. A small triangle comes back in the next row of
+/// pixels; with fewer entries it would be prepared again.
 const FACETS: usize = 256;
-
-/// The samples among which others are looked for whose colours are computed along with one: four rows of a tile, but one
-/// row where triangles are large.
-const AHEAD: usize = 4 * COLUMNS;
 
 /// Pixels that are tested at once for showing one triangle, or none.
 const RUN: usize = 16;
 
-/// A [`Shader`] with caches of triangles, for neighbouring pixels. Its colours are those of the [`Shader`], bit for bit.
+/// A [`Shader`] with caches of triangles, for neighbouring pixels. Its colours are those of the [`Shader`], bit for
+/// bit.
 #[derive(Debug)]
 pub struct TileShader<'s> {
     shader: &'s Shader<'s>,
-    /// Colours of triangles with one colour: a direct-mapped cache, indexed by the low bits of the primitive index.
-    colors: [(u32, [u8; 4]); COLORS],
+    /// Colours of triangles with one colour.
+    colors: TriangleColors,
     /// Whether colours are computed eight at once, ahead of the samples that show them.
     looks_ahead: bool,
     /// Shading triangles, cached likewise; empty until one is needed.
     facets: Vec<(u32, Facet)>,
+    /// What smooth pictures need of triangles without normals at their corners.
+    plain_facets: PlainFacets,
     /// Shading triangles for channels beside colours, cached likewise.
     surfaces: Vec<(u32, SurfaceTriangle)>,
 }
@@ -48,15 +44,16 @@ impl<'s> TileShader<'s> {
     pub(super) fn new(shader: &'s Shader<'s>) -> Self {
         Self {
             shader,
-            colors: [(MISS, [0; 4]); COLORS],
+            colors: TriangleColors::new([0; 4]),
             looks_ahead: shader.has_flat_triangles(),
             facets: Vec::new(),
+            plain_facets: PlainFacets::new(PlainFacet::ZERO),
             surfaces: Vec::new(),
         }
     }
 
-    /// A shading triangle for channels beside colours, cached or prepared: for the pixels at `x` alone where columns have
-    /// eyes of their own.
+    /// A shading triangle for channels beside colours, cached or prepared: for the pixels at `x` alone where columns
+    /// have eyes of their own.
     #[inline(always)]
     pub(super) fn surface(&mut self, primitive: u32, x: f64) -> &SurfaceTriangle {
         let place = primitive as usize % FACETS;
@@ -245,8 +242,8 @@ impl<'s> TileShader<'s> {
         }
     }
 
-    /// Shades pixels of a row, from column `left` on, where each triangle has one colour. `primitives` are those of the row
-    /// and of the rows after it.
+    /// Shades pixels of a row, from column `left` on, where each triangle has one colour. `primitives` are those of the
+    /// row and of the rows after it.
     #[inline(always)]
     fn shade_constant_row(
         &mut self,
@@ -255,7 +252,7 @@ impl<'s> TileShader<'s> {
         pixels: &mut [[u8; 4]],
     ) {
         // Misses are cached as a triangle of one colour, which changes from row to row.
-        self.colors[MISS as usize % COLORS] = (MISS, self.shader.backdrop8(y));
+        self.colors.set(MISS, self.shader.backdrop8(y));
         let count = primitives.len().min(pixels.len());
         let (row, pixels) = (&primitives[..count], &mut pixels[..count]);
         let (runs, _) = row.as_chunks::<RUN>();
@@ -263,9 +260,8 @@ impl<'s> TileShader<'s> {
             let first = run * RUN;
             let pixels = &mut pixels[first..first + RUN];
             if *of_run == [of_run[0]; RUN] {
-                let (known, color) = self.colors[of_run[0] as usize % COLORS];
-                pixels.fill(match known == of_run[0] {
-                    true => color,
+                pixels.fill(match self.colors.knows(of_run[0]) {
+                    true => *self.colors.get(of_run[0]),
                     false => self.unknown_color((left, y), primitives, first),
                 });
             } else {
@@ -287,9 +283,8 @@ impl<'s> TileShader<'s> {
         (primitives, pixels): (&[u32], &mut [[u8; 4]]),
     ) {
         for (at, (&primitive, pixel)) in (first..).zip(primitives.iter().zip(pixels)) {
-            let (known, color) = self.colors[primitive as usize % COLORS];
-            *pixel = match known == primitive {
-                true => color,
+            *pixel = match self.colors.knows(primitive) {
+                true => *self.colors.get(primitive),
                 false => self.unknown_color(place, all, at),
             };
         }
@@ -300,34 +295,24 @@ impl<'s> TileShader<'s> {
     fn unknown_color(&mut self, (left, y): (u32, u32), all: &[u32], at: usize) -> [u8; 4] {
         let primitive = all[at];
         if self.looks_ahead && primitive != MISS {
-            return self.new_colors(&all[at..]);
+            let work = LightTriangles {
+                shader: self.shader,
+                known: &mut self.colors,
+                samples: &all[at..],
+            };
+            dispatch(self.shader.simd(), work);
+            return *self.colors.get(primitive);
         }
         let x = f64::from(left) + at as f64 + 0.5;
         self.new_constant(x, f64::from(y) + 0.5, primitive)
     }
 
-    /// Caches the colours under flat light of the first sample's triangle and of up to seven others that are not cached;
-    /// returns the first.
-    fn new_colors(&mut self, samples: &[u32]) -> [u8; 4] {
-        let mut color = [0; 4];
-        let work = NewColors {
-            shader: self.shader,
-            known: &mut self.colors,
-            samples: &samples[..samples.len().min(AHEAD)],
-            color: &mut color,
-        };
-        dispatch(self.shader.simd(), work);
-        color
-    }
-
     /// The colour of a triangle with one colour, or of a miss.
     #[inline(always)]
     pub(super) fn constant(&mut self, x: f64, y: f64, primitive: u32) -> [u8; 4] {
-        let (known, color) = self.colors[primitive as usize % COLORS];
-        if known == primitive {
-            color
-        } else {
-            self.new_constant(x, y, primitive)
+        match self.colors.knows(primitive) {
+            true => *self.colors.get(primitive),
+            false => self.new_constant(x, y, primitive),
         }
     }
 
@@ -340,7 +325,7 @@ impl<'s> TileShader<'s> {
             self.shader.constant_color(primitive)
         };
         let color = srgb::encode(color);
-        self.colors[primitive as usize % COLORS] = (primitive, color);
+        self.colors.set(primitive, color);
         color
     }
 
@@ -357,6 +342,26 @@ impl<'s> TileShader<'s> {
             self.remember(primitive, x);
         }
         &self.facets[place].1
+    }
+
+    /// What smooth pictures need of the first sample's triangle, which has no normals at its corners: cached, or
+    /// prepared with those of the samples after it.
+    #[inline(always)]
+    pub(super) fn plain_facet(&mut self, samples: &[u32]) -> &PlainFacet {
+        if !self.plain_facets.knows(samples[0]) {
+            self.prepare_plain_facets(samples);
+        }
+        self.plain_facets.get(samples[0])
+    }
+
+    #[cold]
+    fn prepare_plain_facets(&mut self, samples: &[u32]) {
+        let work = PreparePlainFacets {
+            shader: self.shader,
+            known: &mut self.plain_facets,
+            samples,
+        };
+        dispatch(self.shader.simd(), work);
     }
 
     /// Whether a shading triangle is cached.
@@ -413,52 +418,6 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
             shader.shader.clear_beyond(left, y, pixels);
             primitives = &primitives[columns.min(primitives.len())..];
         }
-    }
-}
-
-/// The arguments of [`TileShader::new_colors`].
-struct NewColors<'t, 's> {
-    shader: &'s Shader<'s>,
-    known: &'t mut [(u32, [u8; 4]); COLORS],
-    samples: &'t [u32],
-    color: &'t mut [u8; 4],
-}
-
-impl Work for NewColors<'_, '_> {
-    #[inline(always)]
-    fn run(self, lanes: impl Lanes) {
-        let mut primitives = [self.samples[0]; LANES];
-        let mut count = 0;
-        'search: for row in self.samples.chunks(COLUMNS) {
-            let spans = spans(row);
-            let are_large = spans.len() < LANES as u32;
-            for Span { primitive, .. } in spans {
-                let (known, _) = &mut self.known[primitive as usize % COLORS];
-                let is_new = (*known != primitive) & (primitive != MISS);
-                // What is found is known from here on. Where two share an entry the later one has it, below too.
-                *known = if is_new { primitive } else { *known };
-                primitives[count] = primitive;
-                count += usize::from(is_new);
-                if count == LANES {
-                    break 'search;
-                }
-            }
-            if are_large {
-                break;
-            }
-        }
-        primitives[count..].fill(self.samples[0]);
-        let mut colors = [[0; 4]; LANES];
-        let work = FlatColors {
-            shader: self.shader,
-            primitives: &primitives,
-            colors: &mut colors,
-        };
-        work.run(lanes);
-        for (primitive, color) in primitives.into_iter().zip(colors).take(count) {
-            self.known[primitive as usize % COLORS] = (primitive, color);
-        }
-        *self.color = colors[0];
     }
 }
 

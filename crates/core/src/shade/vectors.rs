@@ -6,8 +6,8 @@ use glam::Vec3;
 /// Eight numbers in memory.
 pub(super) type Row = [f32; LANES];
 
-/// Eight vectors in memory, in structure-of-arrays order. Aligned: a load cannot be forwarded from a store that crosses a
-/// cache line.
+/// Eight vectors in memory, in structure-of-arrays order. Aligned: a load cannot be forwarded from a store that crosses
+/// a cache line.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Rows(pub(super) [Row; 3]);
@@ -15,6 +15,13 @@ pub(super) struct Rows(pub(super) [Row; 3]);
 impl Rows {
     /// Zero vectors.
     pub(super) const ZERO: Self = Self([[0.0; LANES]; 3]);
+
+    /// The vector of a lane.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Vec3 {
+        let [x, y, z] = &self.0;
+        Vec3::new(x[lane], y[lane], z[lane])
+    }
 
     /// Sets the vector of a lane.
     #[inline(always)]
