@@ -141,7 +141,9 @@ fn field(
     if response.changed() || output.accepted.is_some() {
         out.push(Command::TypePath(text));
     }
-    let entered = enter && (response.lost_focus() || is_file);
+    // The popup keeps Enter from the field also where it accepts nothing: names that a letter typed in this frame rules out.
+    let is_kept = output.accepted.is_none() && response.has_focus();
+    let entered = enter && (response.lost_focus() || is_file || is_kept);
     if !response.has_focus() && ui.memory(|memory| memory.focused().is_none()) {
         response.request_focus();
     }
