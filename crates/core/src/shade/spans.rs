@@ -43,7 +43,8 @@ pub(super) fn spans(primitives: &[u32]) -> Spans<'_> {
     Spans { primitives, starts }
 }
 
-/// A bit for each of eight samples, from the one at `at` on, that shows another triangle than the one before it.
+/// A bit for each of eight samples, from the one at `at` on, that shows another triangle than the one before it. `at`
+/// is not the first, and there are eight.
 #[inline(always)]
 fn changes(primitives: &[u32], at: usize) -> u64 {
     let (before, after) = (&primitives[at - 1..][..LANES], &primitives[at..][..LANES]);

