@@ -24,7 +24,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         warn(warning);
     }
     let name = args.output.display();
-    for loss in output.write(&scene, &opened)? {
+    for loss in output.write(&scene, || opened.clone())? {
         warn(&format!("{name}: {loss}"));
     }
     Ok(())

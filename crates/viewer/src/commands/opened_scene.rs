@@ -1,6 +1,6 @@
 //! A scene that is opened for rendering, with its camera and settings.
 
-use super::{Failure, warn_of_reading};
+use super::{Failure, warn, warn_of_reading};
 use crate::cli::RenderArgs;
 use crate::progress::TerminalProgress;
 use crate::stats::{self, Shares, Stats, StatsTarget, milliseconds};
@@ -10,6 +10,7 @@ use raycast_core::formats::{CameraFile, SceneFile};
 use raycast_core::math;
 use raycast_core::picture::Format;
 use raycast_core::render::{Settings, TileStats, View};
+use raycast_core::scene::ClippingPlanes;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,6 +25,8 @@ pub(super) struct OpenedScene {
     pub(super) animation: Option<CameraPath>,
     /// Every file that was opened.
     pub(super) opened: Vec<PathBuf>,
+    /// Whether a part of each picture is rendered, which may well be empty.
+    is_fragment: bool,
     warnings: Vec<String>,
     load_time: Duration,
     build_time: Duration,
@@ -103,13 +106,14 @@ impl OpenedScene {
             camera_file,
             animation,
             opened,
+            is_fragment: args.tiles.sub_camera.is_some(),
             warnings,
             load_time,
             build_time,
         })
     }
 
-    /// Reports what reading left out, and writes the statistics.
+    /// Reports what reading left out and that pictures show nothing, and writes the statistics.
     pub(super) fn report(
         &self,
         target: &StatsTarget,
@@ -120,6 +124,10 @@ impl OpenedScene {
     ) -> Result<(), Failure> {
         let view = &self.view;
         warn_of_reading(&self.warnings, &view.scene, &view.accel);
+        let nothing = nothing_warning(tiles, &view.settings.clip);
+        if let Some(nothing) = nothing.filter(|_| !self.is_fragment) {
+            warn(&nothing);
+        }
         let shares = Shares::new(wall, tiles);
         target.write(&Stats {
             triangles: view.scene.triangle_count() as u64,
@@ -160,14 +168,49 @@ fn lens_warning(camera: &Camera) -> Option<String> {
     })
 }
 
+/// A warning that no ray hits anything, which is how a camera that looks elsewhere shows.
+fn nothing_warning(tiles: &TileStats, clip: &ClippingPlanes) -> Option<String> {
+    let left = match clip.enabled().next() {
+        None => "",
+        Some(_) => " that the clipping planes leave",
+    };
+    let rays = tiles.rays;
+    (rays > 0 && tiles.counts.hits == 0)
+        .then(|| format!("none of {rays} rays hits a triangle{left}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raycast_core::glam::DVec3;
+    use raycast_core::scene::ClippingPlane;
+
+    #[test]
+    fn pictures_of_nothing_give_a_warning() {
+        let of = |rays, hits, clip| {
+            let mut tiles = TileStats {
+                rays,
+                ..TileStats::default()
+            };
+            tiles.counts.hits = hits;
+            nothing_warning(&tiles, &clip)
+        };
+        let plane = ClippingPlane::new(DVec3::X, 5.0).expect("a plane");
+        let clip = ClippingPlanes::new(&[plane]).expect("one plane");
+        assert_eq!(of(12, 1, clip), None);
+        assert_eq!(of(0, 0, clip), None, "all frames exist already");
+        let all = ClippingPlanes::NONE;
+        assert_eq!(
+            of(12, 0, all).as_deref(),
+            Some("none of 12 rays hits a triangle")
+        );
+        let left = "none of 12 rays hits a triangle that the clipping planes leave";
+        assert_eq!(of(12, 0, clip).as_deref(), Some(left));
+    }
 
     #[test]
     fn a_lens_that_ends_within_the_picture_gives_a_warning() {
         use raycast_core::camera::{BrownConrady, Pose, Projection};
-        use raycast_core::glam::DVec3;
         let pose = Pose::towards(DVec3::Z, DVec3::ZERO);
         let warning = |k1: f64| {
             let lens = BrownConrady::new([k1, 0.0, 0.0, 0.0, 0.0]).expect("a lens");

@@ -46,26 +46,36 @@ impl MeshFile {
         self.output.is_taken()
     }
 
-    /// Writes the visible objects, and what accompanies them: none of the files that were opened is replaced. Returns what
-    /// the format cannot represent, in sentences.
+    /// Writes the visible objects, and what accompanies them: none of the files that are `opened` before or meanwhile is
+    /// replaced. Returns what the format cannot represent, in sentences.
     ///
     /// # Errors
     /// No visible object; those of [`Output`] and of writing.
-    pub fn write(&self, scene: &Scene, opened: &[PathBuf]) -> Result<Vec<String>, Failure> {
-        self.output.check_against(opened)?;
+    pub fn write(
+        &self,
+        scene: &Scene,
+        opened: impl Fn() -> Vec<PathBuf>,
+    ) -> Result<Vec<String>, Failure> {
+        self.output.check_against(opened())?;
         if scene.objects.iter().all(Object::is_hidden) {
             let reason = "everything is hidden";
             return Err(self.cannot(&reason));
         }
         let library = match self.format {
-            MeshFormat::Obj => Library::beside(self, scene, opened)?,
+            MeshFormat::Obj => Library::beside(self, scene, &opened())?,
             _ => None,
         };
         let named = library.as_ref().map(Library::named);
         let (mesh, written) = self.part(&self.output, |out| {
             write_meshes(scene, self.format, named, out)
         })?;
-        let beside = library.map(|library| library.write(self)).transpose()?;
+        let beside = library.as_ref().map(|library| library.write(self));
+        let beside = beside.transpose()?;
+        let opened = opened();
+        let outputs = library.iter().flat_map(|library| &library.outputs);
+        for output in outputs.chain([&self.output]) {
+            output.check_against(&opened)?;
+        }
         for file in beside.into_iter().flatten() {
             file.finish()?;
         }
@@ -182,4 +192,40 @@ fn losses(written: &Written) -> Vec<String> {
         losses.push(format!("not kept: {}", lost.join(", ")));
     }
     losses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raycast_core::formats::read_scene;
+    use std::cell::Cell;
+
+    #[test]
+    fn what_was_opened_while_a_mesh_was_written_is_not_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name| folder.path().join(name);
+        let input = place("in.obj");
+        std::fs::write(&input, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+        let scene = read_scene(&input, &|_| ()).expect("a mesh").scene;
+        let out = place("out.ply");
+        std::fs::write(&out, "another's").expect("written");
+        let file = MeshFile::at(&out, false, &[]).expect("an output");
+        let asked = Cell::new(0);
+        let opened = || {
+            asked.set(asked.get() + 1);
+            match asked.get() {
+                1 => vec![input.clone()],
+                _ => vec![input.clone(), out.clone()],
+            }
+        };
+        let refused = file.write(&scene, opened).expect_err("opened meanwhile");
+        assert!(refused.to_string().contains("out.ply"), "{refused}");
+        let found = std::fs::read_to_string(&out).expect("still there");
+        assert_eq!(found, "another's");
+        assert_eq!(asked.get(), 2);
+        let written = file.write(&scene, || vec![input.clone()]);
+        assert_eq!(written, Ok(Vec::new()));
+        let parts = std::fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(parts, 2, "no part file is left");
+    }
 }

@@ -3,7 +3,7 @@
 use super::tasks::{Shared, lock};
 use crate::failure::Failure;
 use crate::memory;
-use crate::output::{MeshFile, Output};
+use crate::output::{MeshFile, Output, Unfinished};
 use raycast_core::Accel;
 use raycast_core::camera::Grid;
 use raycast_core::formats::{DrawingFormat, SceneFile, write_section};
@@ -41,7 +41,12 @@ pub(super) fn save_scene(
             return Ok(false);
         }
     }
-    write_scene(scene, path, &output)?;
+    let file = unfinished_scene(scene, path, &output)?;
+    if is_own {
+        file.finish()?;
+    } else {
+        finish(file, &output, shared)?;
+    }
     // No other output may overwrite it from now on, as with all open files.
     lock(&shared.opened).push(path.to_owned());
     Ok(true)
@@ -57,17 +62,21 @@ pub(super) fn save_scene_copy(
     let Some(output) = place(path, replace, shared)? else {
         return Ok(false);
     };
-    write_scene(scene, path, &output)?;
+    finish(unfinished_scene(scene, path, &output)?, &output, shared)?;
     Ok(true)
 }
 
-fn write_scene(scene: &SceneFile, path: &Path, output: &Output) -> Result<(), Failure> {
+fn unfinished_scene(
+    scene: &SceneFile,
+    path: &Path,
+    output: &Output,
+) -> Result<Unfinished, Failure> {
     let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder.parent().unwrap_or(Path::new("."));
     let text = scene
         .to_toml(folder)
         .map_err(|error| Failure::could_not(error.to_string()))?;
-    output.write(text.as_bytes())?.finish()
+    output.write(text.as_bytes())
 }
 
 /// Writes a picture; returns false where a file exists that may not be replaced.
@@ -89,9 +98,7 @@ pub(super) fn save(
     let picture = rendered(&saving)?;
     let recipe = Recipe::of(&saving.view);
     let file = output.write(&picture.encode_with(format, Some(&recipe))?)?;
-    // Another scene may have been opened meanwhile.
-    output.check_against(lock(&shared.opened).clone())?;
-    file.finish()?;
+    finish(file, &output, shared)?;
     Ok(true)
 }
 
@@ -131,7 +138,7 @@ pub(super) fn save_outline(
     let mut bytes = Vec::new();
     write_section(&lines, &SectionAxes::of(plane), format, &mut bytes)
         .map_err(|error| Failure::could_not(format!("{name}: {error}")))?;
-    output.write(&bytes)?.finish()?;
+    finish(output.write(&bytes)?, &output, shared)?;
     let open = lines.iter().filter(|line| !line.is_closed).count();
     Ok(Some((open, lines.len())))
 }
@@ -144,12 +151,13 @@ pub(super) fn save_meshes(
     replace: bool,
     shared: &Shared,
 ) -> Result<Option<Vec<String>>, Failure> {
-    let opened = lock(&shared.opened).clone();
     let output = MeshFile::at(path, false, &[])?;
     if output.is_taken() && !replace {
         return Ok(None);
     }
-    output.write(scene, &opened).map(Some)
+    output
+        .write(scene, || lock(&shared.opened).clone())
+        .map(Some)
 }
 
 /// Writes text; returns false where a file exists that may not be replaced.
@@ -162,8 +170,14 @@ pub(super) fn save_text(
     let Some(output) = place(path, replace, shared)? else {
         return Ok(false);
     };
-    output.write(text.as_bytes())?.finish()?;
+    finish(output.write(text.as_bytes())?, &output, shared)?;
     Ok(true)
+}
+
+/// Replaces the output's file, unless it was opened while the new one was made.
+fn finish(file: Unfinished, output: &Output, shared: &Shared) -> Result<(), Failure> {
+    output.check_against(lock(&shared.opened).clone())?;
+    file.finish()
 }
 
 /// An output that is no opened file; `None` where a file exists that may not be replaced.
