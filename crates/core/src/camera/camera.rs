@@ -254,6 +254,16 @@ impl Camera {
         }
     }
 
+    /// For each component of a perspective camera's [`Camera::direction`] the greatest sum of its terms' magnitudes,
+    /// those of the place's own coordinates included, within `reach` pixels from (x, y).
+    pub(crate) fn greatest_direction(&self, (x, y): (f64, f64), reach: f64) -> DVec3 {
+        let [right, down] = self.center;
+        let across = (x.abs() + right.abs() + reach) * self.plane.step;
+        let along = (y.abs() + down.abs() + reach) * self.plane.step;
+        let forward = self.forward.abs() * self.distance;
+        self.right.abs() * across + self.up.abs() * along + forward
+    }
+
     /// Projects a world point to the picture, in pixels. `None` at or behind the eye's plane of a perspective
     /// camera, where [`Panorama::place`] has none, and for stereo pairs, whose two [`Camera::halves`] have a
     /// projection each.

@@ -87,6 +87,7 @@ impl Accel {
             primitives,
             counts: &mut counts,
             shared: Rc::new(SharedTriangles::new(has_eye)),
+            last: None,
         };
         if lattice.camera.projection().panorama().is_none() {
             match NearEye::of(self, &lattice.camera) {
@@ -151,6 +152,9 @@ pub(super) struct Find<'a> {
     pub(super) counts: &'a mut CastCounts,
     /// What single rays share of triangles.
     pub(super) shared: Rc<SharedTriangles>,
+    /// The single ray that was cast last, and what it hits: where rays are closer together than roundings are, the next
+    /// one is the same.
+    pub(super) last: Option<(Ray, u32)>,
 }
 
 impl Find<'_> {
@@ -276,6 +280,17 @@ impl Find<'_> {
     /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals; without
     /// rivals it traverses the tree.
     fn cast_one(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
+        if let Some((last, primitive)) = self.last
+            && last == *ray
+        {
+            return primitive;
+        }
+        let primitive = self.cast_another(ray, rivals);
+        self.last = Some((*ray, primitive));
+        primitive
+    }
+
+    fn cast_another(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
         let Some(ray) = (self.accel).prepare(ray, self.cull, self.precision) else {
             return MISS;
         };

@@ -19,9 +19,10 @@
 //! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three
 //!   roundings for a product and a sum of three, two for moving to another place, and three for its scale and its
 //!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of
-//!   the same. A ray's direction is off by 6εB a component (B as in `setup`), d by 5εB, and i·a + j·b by εB: ε_d =
-//!   20εB times |m₁| + |m₂| + |m₃| is taken, where R ≤ B: it has room for a step's ninth rounding, as the origin's
-//!   error of 16ε·2R has for orthographic packets.
+//!   the same. With B the components of a direction by the magnitudes of all that they are sums of
+//!   (`Camera::greatest_direction`), a ray's direction is off by 6εB, d by 5εB, and i·a + j·b by εB: ε_d = 20εB·|m| is
+//!   taken, where R ≤ B: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has for orthographic
+//!   packets.
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
 //!   roundings are used, and by η times the vector. P₀·n is taken at the corner where that is least; where it is not
 //!   clear, P₀·(P₁×P₂) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is
@@ -112,17 +113,17 @@ impl Bounded {
         weights.dot(self.error) * 1.001
     }
 
-    /// The effect of one error in all components, weighted.
+    /// The effect of errors of the weights.
     #[inline(always)]
-    fn error_of_weights(&self, error: f64) -> f64 {
-        (self.value.abs() + self.error).element_sum() * (error * 1.001)
+    fn error_of_weights(&self, errors: DVec3) -> f64 {
+        (self.value.abs() + self.error).dot(errors) * 1.001
     }
 
     /// The product with a corner, and the bound on its error.
     #[inline(always)]
     fn dot(&self, corner: DVec3, origin_error: f64) -> (f64, f64) {
         let off = corner.abs() + origin_error;
-        let error = self.error_by(off) + self.error_of_weights(origin_error);
+        let error = self.error_by(off) + self.error_of_weights(DVec3::splat(origin_error));
         (corner.dot(self.value), error)
     }
 }
@@ -394,7 +395,7 @@ impl PacketSpace {
     #[inline(always)]
     fn is_rounded(&self, product: &Bounded, reach: f64) -> bool {
         let error = product.error_by(self.rays.direction.abs() + self.reach());
-        let by_rays = product.error_of_weights(20.0 * EPSILON * self.rays.greatest);
+        let by_rays = product.error_of_weights(self.rays.greatest * (20.0 * EPSILON));
         !((error <= RECOMPUTE_ABOVE * reach) | (error <= by_rays))
     }
 
@@ -494,7 +495,7 @@ impl PacketSpace {
             };
             let error = product.error_by(d.abs())
                 + slope.error_by(self.reach())
-                + slope.error_of_weights(self.origin_error);
+                + slope.error_of_weights(DVec3::splat(self.origin_error));
             (function, error)
         }
     }
@@ -503,6 +504,6 @@ impl PacketSpace {
     #[inline(always)]
     fn error_along_rays(&self, vector: &Bounded) -> f64 {
         vector.error_by(self.rays.direction.abs() + self.reach())
-            + vector.error_of_weights(20.0 * EPSILON * self.rays.greatest)
+            + vector.error_of_weights(self.rays.greatest * (20.0 * EPSILON))
     }
 }

@@ -419,11 +419,14 @@ impl PacketSpace {
     pub(super) fn with_rays_beside(mut self, beside: f64) -> Self {
         // Bounds are proportional to these, where a lattice's rays are off by 32 units, or its directions by 20.
         self.ray_error *= PLACE_ERROR / 32.0;
-        self.rays.greatest *= self.obliqueness * (PLACE_ERROR / 20.0);
+        let greatest = self.obliqueness * self.rays.distance;
+        let mut greatest = greatest * self.obliqueness * (PLACE_ERROR / 20.0);
         if beside > 0.0 {
             self.ray_error += beside / self.rays.steps[0].length();
-            self.rays.greatest += beside / (20.0 * EPSILON);
+            greatest += beside / (20.0 * EPSILON);
         }
+        // Places are off in all directions.
+        self.rays.greatest = DVec3::splat(greatest);
         self
     }
 }

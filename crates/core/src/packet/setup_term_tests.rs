@@ -8,6 +8,8 @@ use super::setup::PacketSpace;
 use super::setup_tests::{Tally, camera, check_aside, check_one, lanes_of, space};
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
+use crate::num::double_double::DoubleDouble;
+use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Plain, Work};
 use crate::random::Random;
 use crate::triangle::exact::OffsetTriangle;
@@ -245,7 +247,8 @@ fn rays_beside_their_places_are_within_the_bounds() {
         let ray_error = random.decades(-3.0, -1.0);
         let mut space: PacketSpace = space(&camera, DVec3::ZERO, Cull::None);
         space.ray_error = ray_error;
-        space.rays.greatest *= ray_error / (20.0 * 1.1e-16 * camera.distance() / pitch);
+        let aside = space.obliqueness * ray_error * pitch;
+        space.rays.greatest = DVec3::splat(aside / (20.0 * 1.1e-16));
         let corners = [(); 3].map(|()| {
             let along = camera.forward() * (30.0 * pitch * random.signed());
             (along + random.point() * (20.0 * pitch)).as_vec3()
@@ -285,4 +288,49 @@ fn rays_beside_their_places_are_within_the_bounds() {
         }
     }
     assert!(tally.hits > 1000, "{tally:?}");
+}
+
+/// Components of directions, beside those that a packet has for them, of cameras along axes and of any. Without what
+/// the places' own coordinates round by, this fails.
+#[test]
+fn components_of_directions_are_within_their_bounds() {
+    let mut random = Random(92);
+    let mut greatest = 0.0f64;
+    for round in 0..3000 {
+        let target = DVec3::Z * random.decades(-20.0, 3.0);
+        let pose = Pose {
+            eye: DVec3::ZERO,
+            target: match round % 3 {
+                0 => random.point(),
+                _ => target,
+            },
+            up: DVec3::Y,
+        };
+        let side = [32, 1000, 60_000][round % 3];
+        let plane = ImagePlane::new(side, side, random.decades(-9.0, -1.0)).expect("a good plane");
+        let camera = Camera::new(pose, Projection::Perspective, plane);
+        let mut place = || {
+            let share = [random.unit(), 0.5][round % 2];
+            (f64::from(side - 31) * share).floor() + random.unit()
+        };
+        let (x, y) = (place(), place());
+        let stride = [1.0, 1.0, 3.0][round % 3];
+        let last = (SIDE as u32, SIDE as u32);
+        let space = PacketSpace::new(&camera, DVec3::ZERO, 0.0, (x, y), stride, last, Cull::None);
+        let (i, j) = (31.0 * random.unit(), 31.0 * random.unit());
+        let (i, j) = (i.floor(), j.floor());
+        let direction = camera.direction(x + i * stride, y + j * stride);
+        let [a, b] = space.rays.steps;
+        for component in 0..3 {
+            let of = |vector: DVec3, times: f64| {
+                DoubleDouble::from(vector[component]) * DoubleDouble::from(times)
+            };
+            let on_plane = of(space.rays.direction, 1.0) + of(a, i) + of(b, j);
+            let off = (on_plane - of(direction, 1.0)).high.abs();
+            let bound = 12.0 * EPSILON * space.rays.greatest[component];
+            assert!(off <= bound, "{component}: {off:e} {bound:e}");
+            greatest = greatest.max(off / bound);
+        }
+    }
+    assert!(greatest > 0.1, "{greatest}");
 }

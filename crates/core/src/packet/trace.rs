@@ -120,6 +120,7 @@ impl Work for RecordTrace<'_> {
             primitives: &mut primitives,
             counts: &mut CastCounts::default(),
             shared: Rc::new(SharedTriangles::new(false)),
+            last: None,
         };
         let mut traversal = Traversal::<true>::new(accel, &clip, lattice, Precision::Exact);
         let mut zbuffer = IntervalZBuffer::new();

@@ -215,6 +215,26 @@ fn rounded_cross<I: Integer>(p: &Vector<I>, q: &Vector<I>, lengths: Scale) -> DV
 /// With A, B, C the corners and P a point, its distance is P·N − A·(B×C), N = A×B + B×C + C×A: sums of products of
 /// three coordinates.
 pub(crate) fn distances_from_plane(points: [Vec3; 3], corners: [Vec3; 3]) -> [f64; 3] {
+    let vectors = [corners, points].map(|vectors| vectors.map(Vec3::as_dvec3));
+    let lengths = Scale::of_vectors(vectors.as_flattened());
+    match lengths.bits <= I128_BITS {
+        true => distances_in_integers(vectors, lengths),
+        false => distances_in_fixed_point(points, corners),
+    }
+}
+
+/// [`distances_from_plane`] of points from the plane of corners, whose coordinates are at most [`I128_BITS`] long.
+fn distances_in_integers([corners, points]: [[DVec3; 3]; 2], lengths: Scale) -> [f64; 3] {
+    let vector = |point| lengths.vector::<i128>(point);
+    let [a, b, c] = corners.map(vector);
+    let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
+    // A power of two from 2⁻⁴⁴⁷ to 2³⁸¹.
+    let unit = f64::from_bits(((1023 + 3 * lengths.exponent) as u64) << 52);
+    points.map(|point| dot(&subtract(&vector(point), &a), &normal) as f64 * unit)
+}
+
+/// [`distances_from_plane`] of any coordinates.
+fn distances_in_fixed_point(points: [Vec3; 3], corners: [Vec3; 3]) -> [f64; 3] {
     const PAIRS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
     let numbers = |vector: Vec3| vector.to_array().map(Number::of);
     let corners = corners.map(numbers);
@@ -368,6 +388,45 @@ mod tests {
 
     fn triangle(corners: [Vec3; 3], origin: DVec3) -> OffsetTriangle {
         OffsetTriangle { corners, origin }
+    }
+
+    /// Short coordinates whose distances are doubles, and longer ones, of triangles anywhere and of one plane.
+    #[test]
+    fn distances_in_integers_are_those_in_fixed_point() {
+        let mut random = Random(31);
+        let (mut zeros, mut others) = (0, 0);
+        for round in 0..4000 {
+            let bits = [10, 13, 24][round % 3];
+            let unit = 2f64.powi(-bits - round as i32 % 60);
+            let mut point = || {
+                let place = random.point() * 2f64.powi(bits);
+                let place = match round % 2 {
+                    0 => place.round(),
+                    _ => {
+                        DVec3::new(4.0, 1.0, -2.0) * (place.x / 8.0).round()
+                            + DVec3::new(-1.0, 4.0, 3.0) * (place.y / 8.0).round()
+                    }
+                };
+                (place * unit).as_vec3()
+            };
+            let [points, corners] = [(); 2].map(|()| [(); 3].map(|()| point()));
+            let vectors = [corners, points].map(|vectors| vectors.map(Vec3::as_dvec3));
+            let lengths = Scale::of_vectors(vectors.as_flattened());
+            assert!(lengths.bits <= I128_BITS);
+            let found = distances_in_integers(vectors, lengths);
+            let expected = distances_in_fixed_point(points, corners);
+            for (found, expected) in found.into_iter().zip(expected) {
+                let most = if bits < 24 {
+                    0.0
+                } else {
+                    expected.abs() * f64::EPSILON
+                };
+                assert!((found - expected).abs() <= most, "{found} {expected}");
+                zeros += u32::from(found == 0.0);
+                others += u32::from(found != 0.0);
+            }
+        }
+        assert!(zeros > 3000 && others > 3000, "{zeros} {others}");
     }
 
     #[test]

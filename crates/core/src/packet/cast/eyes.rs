@@ -84,6 +84,7 @@ impl Accel {
             primitives,
             counts: &mut counts,
             shared: Rc::new(SharedTriangles::new(false)),
+            last: None,
         };
         find.cast_each(&RayRect::all(lattice));
         counts

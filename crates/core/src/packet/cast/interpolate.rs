@@ -5,6 +5,7 @@ use crate::camera::{Lattice, PanoramaRays, Projection};
 use crate::hit::{Cull, Detail, HitNumbers, MISS, Precision, PrimitiveHit};
 use crate::hits::Hits;
 use crate::num::simd::{F32x8, Lanes, Mask8, Work, dispatch};
+use crate::ray::Ray;
 use crate::triangle::interpolate::{
     LANES, RowHits, RowPlaces, interpolate_around, interpolate_row,
 };
@@ -115,6 +116,7 @@ impl<const INSTANCES: bool> Work for InterpolateLattice<'_, INSTANCES> {
             around: PanoramaRays::new(lattice).filter(|_| INSTANCES),
             cached: [(MISS, LinearHit::default()); CACHED],
             shared: Rc::new(SharedTriangles::new(has_eye)),
+            last: None,
         };
         let rows = (hits.primitives.chunks_mut(columns))
             .zip(hits.t.chunks_mut(columns))
@@ -179,6 +181,8 @@ struct Interpolate<'a, const INSTANCES: bool> {
     cached: [(u32, LinearHit); CACHED],
     /// What the rays share of triangles.
     shared: Rc<SharedTriangles>,
+    /// The single ray that was interpolated last, its triangle, and the hit: the next one may be the same.
+    last: Option<(Ray, u32, PrimitiveHit)>,
 }
 
 impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
@@ -373,11 +377,18 @@ impl<const INSTANCES: bool> Interpolate<'_, INSTANCES> {
     #[inline(never)]
     fn one(&mut self, primitive: u32, column: u32, row: u32) -> PrimitiveHit {
         let ray = self.lattice.ray(column, row);
-        let Some(ray) = (self.accel).prepare(&ray, self.cull, self.precision) else {
+        if let Some((last, triangle, hit)) = self.last
+            && (last, triangle) == (ray, primitive)
+        {
+            return hit;
+        }
+        let Some(prepared) = (self.accel).prepare(&ray, self.cull, self.precision) else {
             return PrimitiveHit::NONE;
         };
         let corners = self.accel.corners_of::<INSTANCES>(primitive);
-        let ray = ray.sharing(&self.shared, Detail::Full);
-        ray.hit_on(primitive, corners).to_primitive_hit()
+        let prepared = prepared.sharing(&self.shared, Detail::Full);
+        let hit = prepared.hit_on(primitive, corners).to_primitive_hit();
+        self.last = Some((ray, primitive, hit));
+        hit
     }
 }

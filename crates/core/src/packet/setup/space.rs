@@ -54,8 +54,8 @@ pub(in crate::packet) struct PacketRays {
     pub(in crate::packet) steps: [DVec3; 2],
     /// D; one for orthographic packets.
     pub(in crate::packet) distance: f64,
-    /// B; zero for orthographic packets.
-    pub(in crate::packet) greatest: f64,
+    /// The components of B; zero for orthographic packets.
+    pub(in crate::packet) greatest: DVec3,
 }
 
 /// What the spaces of perspective and of orthographic packets have in common.
@@ -72,7 +72,7 @@ impl Packet {
         self,
         (d, distance): (DVec3, f64),
         (origin, origin_error): (DVec3, f64),
-        greatest: f64,
+        greatest: DVec3,
     ) -> PacketSpace {
         let [a, b] = self.steps;
         let determinant = a.dot(b.cross(d));
@@ -130,6 +130,7 @@ impl PacketSpace {
                 let (d, distance) = (camera.direction(x, y), camera.distance());
                 let greatest = reach + distance;
                 let (stretch, wide) = (greatest / step, greatest / distance);
+                let greatest = camera.greatest_direction((x, y), REACH * stride);
                 Self {
                     stretch_and_reach: stretch + REACH,
                     size: (2.1 * step / distance, 1.1 * wide),
@@ -151,7 +152,7 @@ impl PacketSpace {
                     size: (2.1 * step, 1.1),
                     ray_error: 0.0,
                     obliqueness: 1.0,
-                    ..packet.space((camera.forward(), 1.0), (origin, origin_error), 0.0)
+                    ..packet.space((camera.forward(), 1.0), (origin, origin_error), DVec3::ZERO)
                 }
             }
         }
