@@ -1,17 +1,19 @@
 //! Scenes that take other kernels, or took this one, time without bound, each with as many ordinary triangles in the
 //! same place: both should take about the same time.
 
+mod hunted;
 mod scenes;
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::PROJECTIONS;
+pub use hunted::hunted;
 pub use scenes::{ScenePair, SceneView};
 use scenes::{
     about_eye, between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
-    far_fan, far_vertex, inside_needle, integer_plane, mesh_copies, next_to_discs, next_to_fan,
-    next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers, next_to_vertex,
-    one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane, shared_vertex,
-    subnormal_layers, thin_boxes, tilted_layers, tiny_and_far,
+    far_fan, far_vertex, flat_disc, inside_needle, integer_plane, mesh_copies, next_to_discs,
+    next_to_fan, next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers,
+    next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane,
+    shared_vertex, subnormal_layers, thin_boxes, tilted_layers, tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -69,6 +71,7 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("eye_next_to_a_vertex_of_layers", next_to_discs),
     timed("eye_next_to_thousands_of_one_plane", next_to_grid_plane),
     timed("eye_in_a_needle", inside_needle),
+    timed("eye_in_a_flat_disc", flat_disc),
     // Double-double arithmetic orders none of them: their distances from each other's planes are computed in integers.
     timed(
         "layers_of_a_tilted_plane_apart_by_subnormal_numbers",
@@ -260,6 +263,12 @@ pub(super) const CASES: &[Case] = &[
         inside_needle,
         (48, 36),
         "The eye in the middle of a needle but for rounding, which half of the rays hit: double precision gives neither the distance nor the weights of a hit to single precision."
+    ),
+    case!(
+        "eye_in_a_flat_disc",
+        flat_disc,
+        (24, 18),
+        "2,880 slices of a disc some 1e-15 of its width deep, from the middle of it: a ray's direction is as small across the disc as the roundings along it."
     ),
     case!(
         "layers_of_a_tilted_plane_apart_by_subnormal_numbers",

@@ -2,7 +2,7 @@
 
 use super::Section;
 use crate::cameras::PROJECTIONS;
-use crate::cases::time::{SLOWDOWN_GOAL, SceneView, TimedCase};
+use crate::cases::time::{SLOWDOWN_GOAL, ScenePair, SceneView, TimedCase};
 use crate::progress::ReportProgress;
 use crate::subject;
 use crate::table::{Cell, ReportError, Table};
@@ -16,8 +16,8 @@ const SIZE: (u32, u32) = (64, 48);
 /// The times for a picture of an adversarial scene and of an ordinary one, on one thread.
 #[derive(Clone, Debug)]
 pub struct HostileCost {
-    /// The hard case.
-    pub name: &'static str,
+    /// The scene.
+    pub name: String,
     /// Its projection.
     pub projection: Projection,
     /// The number of triangles without duplicates.
@@ -50,41 +50,55 @@ pub fn measure(
 ) -> Result<Vec<HostileCost>, ReportError> {
     progress.begin("time of hostile scenes", cases.len() as u64);
     let mut costs = Vec::new();
-    for &TimedCase { name, scenes } in cases {
-        let scenes = scenes();
-        let build = |seen: &SceneView| {
-            let started = Instant::now();
-            Accel::build(&seen.scene).map(|accel| (accel, started.elapsed()))
-        };
-        let (hostile, build_time) = build(&scenes.hostile)?;
-        let (ordinary, ordinary_build) = build(&scenes.ordinary)?;
-        for projection in PROJECTIONS {
-            let time = |accel: &Accel, seen: &SceneView| {
-                let tiles = subject::tiles(&seen.camera(projection, SIZE), 1);
-                let mut hits = Vec::new();
-                let started = Instant::now();
-                for tile in &tiles {
-                    let (cull, precision) = (Cull::None, Precision::Exact);
-                    accel.cast_lattice(tile, cull, precision, Detail::Full, &mut hits);
-                }
-                started.elapsed()
-            };
-            let [mut cast, mut ordinary_cast] = [Duration::MAX; 2];
-            for _ in 0..rounds.max(1) {
-                cast = cast.min(time(&hostile, &scenes.hostile));
-                ordinary_cast = ordinary_cast.min(time(&ordinary, &scenes.ordinary));
-            }
-            costs.push(HostileCost {
-                name,
-                projection,
-                triangles: hostile.len(),
-                build: build_time,
-                ordinary_build,
-                cast,
-                ordinary_cast,
-            });
-        }
+    for case in cases {
+        costs.extend(measure_pair(case.name, &(case.scenes)(), SIZE, rounds)?);
         progress.step();
+    }
+    Ok(costs)
+}
+
+/// The least times of two scenes' pictures of a size, likewise, by both projections.
+///
+/// # Errors
+/// A scene that cannot be built.
+pub fn measure_pair(
+    name: &str,
+    scenes: &ScenePair,
+    size: (u32, u32),
+    rounds: usize,
+) -> Result<Vec<HostileCost>, ReportError> {
+    let build = |seen: &SceneView| {
+        let started = Instant::now();
+        Accel::build(&seen.scene).map(|accel| (accel, started.elapsed()))
+    };
+    let (hostile, build_time) = build(&scenes.hostile)?;
+    let (ordinary, ordinary_build) = build(&scenes.ordinary)?;
+    let mut costs = Vec::new();
+    for projection in PROJECTIONS {
+        let time = |accel: &Accel, seen: &SceneView| {
+            let tiles = subject::tiles(&seen.camera(projection, size), 1);
+            let mut hits = Vec::new();
+            let started = Instant::now();
+            for tile in &tiles {
+                let (cull, precision) = (Cull::None, Precision::Exact);
+                accel.cast_lattice(tile, cull, precision, Detail::Full, &mut hits);
+            }
+            started.elapsed()
+        };
+        let [mut cast, mut ordinary_cast] = [Duration::MAX; 2];
+        for _ in 0..rounds.max(1) {
+            cast = cast.min(time(&hostile, &scenes.hostile));
+            ordinary_cast = ordinary_cast.min(time(&ordinary, &scenes.ordinary));
+        }
+        costs.push(HostileCost {
+            name: name.to_owned(),
+            projection,
+            triangles: hostile.len(),
+            build: build_time,
+            ordinary_build,
+            cast,
+            ordinary_cast,
+        });
     }
     Ok(costs)
 }

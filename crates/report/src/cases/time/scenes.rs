@@ -55,6 +55,20 @@ fn soups_in(view: View, hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> Scen
     pair_in(view, scene_of_soup(hostile), scene_of_soup(ordinary))
 }
 
+/// A soup in a view, and as many ordinary triangles in an ordinary one.
+pub(super) fn ordinary_pair(view: View, hostile: &[[DVec3; 3]]) -> ScenePair {
+    ScenePair {
+        hostile: SceneView {
+            scene: single_mesh(soup(hostile)),
+            view,
+        },
+        ordinary: SceneView {
+            scene: ordinary(hostile.len(), 0.5),
+            view: (EYE, DVec3::ZERO, 2.0),
+        },
+    }
+}
+
 fn single_mesh(mesh: Mesh) -> Scene {
     scene_of([mesh])
 }
@@ -245,6 +259,33 @@ pub(super) fn far_fan() -> ScenePair {
     ScenePair {
         hostile: view_from(DVec3::new(1.0, 2.0, 4.0) * 4e12),
         ordinary: view_from(DVec3::new(1.0, 2.0, 4.0)),
+    }
+}
+
+/// Slices of a disc about the view axis, which meet it at heights of their own, seen from between these: as flat as
+/// doubles can tell, and as deep as wide.
+pub(super) fn flat_disc() -> ScenePair {
+    let view_of = |height: f64| {
+        let mut random = Random::new(590);
+        let count = 2880;
+        let rim = |slice: i32| {
+            let (sin, cos) = math::sin_cos(TAU * f64::from(slice) / f64::from(count));
+            DVec3::new(cos, sin, 0.0)
+        };
+        let slices: Vec<_> = (0..count)
+            .map(|slice| {
+                let middle = DVec3::Z * random.between(-height, height);
+                [middle, rim(slice), rim(slice + 1)]
+            })
+            .collect();
+        SceneView {
+            scene: single_mesh(soup(&slices)),
+            view: (DVec3::Z * (-0.7 * height), DVec3::ZERO, 2.0),
+        }
+    };
+    ScenePair {
+        hostile: view_of(1e-15),
+        ordinary: view_of(1.0),
     }
 }
 
