@@ -76,8 +76,7 @@ cases! {
     eye_a_subnormal_number_from_planes rays_through_edges_of_one_plane
     triangles_of_a_rounded_plane layers_that_cross_by_subnormal_numbers
     rays_that_start_in_a_plane eye_next_to_a_vertex_of_thousands eye_next_to_a_vertex_of_layers
-    eye_next_to_thousands_of_one_plane eye_in_a_needle
-    eye_in_a_flat_disc
+    eye_next_to_thousands_of_one_plane eye_in_a_needle eye_in_a_flat_disc
     layers_of_a_tilted_plane_apart_by_subnormal_numbers eye_next_to_layers_of_a_tilted_plane
 }
 

@@ -252,7 +252,7 @@ impl Find<'_> {
                 let ray = self.lattice.ray(column, row);
                 let same = match rivals {
                     Some(_) => None,
-                    None => self.same_as_neighbor(packet, (column, row), &ray),
+                    None => self.same_as_above(packet, (column, row), &ray),
                 };
                 let primitive = same.unwrap_or_else(|| self.cast_one(&ray, rivals));
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
@@ -262,19 +262,12 @@ impl Find<'_> {
         }
     }
 
-    /// What the ray to the left or above hits, where it is the same: rays closer together than roundings are.
-    fn same_as_neighbor(
-        &self,
-        packet: &RayRect,
-        (column, row): (u32, u32),
-        ray: &Ray,
-    ) -> Option<u32> {
-        let left = (column > packet.column).then(|| (column - 1, row));
-        let above = (row > packet.row).then(|| (column, row - 1));
-        let mut neighbors = left.into_iter().chain(above);
-        let (column, row) =
-            neighbors.find(|&(column, row)| self.lattice.ray(column, row) == *ray)?;
-        Some(self.primitives[(row * self.lattice.columns + column) as usize])
+    /// What the ray above hits, where it is the same: rays closer together than roundings are. The one to the left is
+    /// [`Find::last`].
+    fn same_as_above(&self, packet: &RayRect, (column, row): (u32, u32), ray: &Ray) -> Option<u32> {
+        let above = (row > packet.row).then(|| row - 1)?;
+        let is_same = self.lattice.ray(column, above) == *ray;
+        is_same.then(|| self.primitives[(above * self.lattice.columns + column) as usize])
     }
 
     /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals; without
@@ -290,6 +283,7 @@ impl Find<'_> {
         primitive
     }
 
+    /// [`Find::cast_one`] of another ray than the last.
     fn cast_another(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
         let Some(ray) = (self.accel).prepare(ray, self.cull, self.precision) else {
             return MISS;

@@ -19,10 +19,10 @@
 //! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three
 //!   roundings for a product and a sum of three, two for moving to another place, and three for its scale and its
 //!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of
-//!   the same. With B the components of a direction by the magnitudes of all that they are sums of
-//!   (`Camera::greatest_direction`), a ray's direction is off by 6εB, d by 5εB, and i·a + j·b by εB: ε_d = 20εB·|m| is
-//!   taken, where R ≤ B: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has for orthographic
-//!   packets.
+//!   the same. Each component of B is the greatest sum of the magnitudes of the terms that a direction's component is
+//!   the sum of (`Camera::greatest_direction`). By component, a ray's direction is off by 6εB, d by 5εB, and i·a + j·b by
+//!   εB. With R ≤ B, 20εB·|m| is taken: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has for
+//!   orthographic packets.
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
 //!   roundings are used, and by η times the vector. P₀·n is taken at the corner where that is least; where it is not
 //!   clear, P₀·(P₁×P₂) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is

@@ -417,16 +417,16 @@ impl Places {
 impl PacketSpace {
     /// The same packet, with rays beside their places by [`PLACE_ERROR`], and on a plane at distance one by `beside` more.
     pub(super) fn with_rays_beside(mut self, beside: f64) -> Self {
-        // Bounds are proportional to these, where a lattice's rays are off by 32 units, or its directions by 20.
+        // Bounds are proportional to these, where a lattice's rays are off by 32 units, or its directions by 20. These rays
+        // are off by as much in all components.
         self.ray_error *= PLACE_ERROR / 32.0;
-        let greatest = self.obliqueness * self.rays.distance;
-        let mut greatest = greatest * self.obliqueness * (PLACE_ERROR / 20.0);
+        let greatest = self.rays.distance * self.obliqueness;
+        let mut off = greatest * self.obliqueness * (PLACE_ERROR / 20.0);
         if beside > 0.0 {
             self.ray_error += beside / self.rays.steps[0].length();
-            greatest += beside / (20.0 * EPSILON);
+            off += beside / (20.0 * EPSILON);
         }
-        // Places are off in all directions.
-        self.rays.greatest = DVec3::splat(greatest);
+        self.rays.greatest = DVec3::splat(off);
         self
     }
 }

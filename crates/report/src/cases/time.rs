@@ -2,12 +2,13 @@
 //! same place: both should take about the same time.
 
 mod hunted;
+mod scene_pair;
 mod scenes;
 
 use super::{Case, CaseTheme, Setting};
 use crate::cameras::PROJECTIONS;
 pub use hunted::hunted;
-pub use scenes::{ScenePair, SceneView};
+pub use scene_pair::{ScenePair, SceneView};
 use scenes::{
     about_eye, between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
     far_fan, far_vertex, flat_disc, inside_needle, integer_plane, mesh_copies, next_to_discs,

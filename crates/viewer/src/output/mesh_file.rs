@@ -56,13 +56,14 @@ impl MeshFile {
         scene: &Scene,
         opened: impl Fn() -> Vec<PathBuf>,
     ) -> Result<Vec<String>, Failure> {
-        self.output.check_against(opened())?;
+        let before = opened();
+        self.output.check_against(&before)?;
         if scene.objects.iter().all(Object::is_hidden) {
             let reason = "everything is hidden";
             return Err(self.cannot(&reason));
         }
         let library = match self.format {
-            MeshFormat::Obj => Library::beside(self, scene, &opened())?,
+            MeshFormat::Obj => Library::beside(self, scene, &before)?,
             _ => None,
         };
         let named = library.as_ref().map(Library::named);
@@ -71,10 +72,10 @@ impl MeshFile {
         })?;
         let beside = library.as_ref().map(|library| library.write(self));
         let beside = beside.transpose()?;
-        let opened = opened();
+        let by_now = opened();
         let outputs = library.iter().flat_map(|library| &library.outputs);
         for output in outputs.chain([&self.output]) {
-            output.check_against(&opened)?;
+            output.check_against(&by_now)?;
         }
         for file in beside.into_iter().flatten() {
             file.finish()?;

@@ -54,7 +54,7 @@ pub(in crate::packet) struct PacketRays {
     pub(in crate::packet) steps: [DVec3; 2],
     /// D; one for orthographic packets.
     pub(in crate::packet) distance: f64,
-    /// The components of B; zero for orthographic packets.
+    /// B of [`componentwise_setup`](crate::packet::componentwise_setup), a vector; zero for orthographic packets.
     pub(in crate::packet) greatest: DVec3,
 }
 
@@ -67,7 +67,7 @@ struct Packet {
 
 impl Packet {
     /// The map of a packet whose first ray has this direction, with its image plane at `distance` from the origin, and
-    /// `greatest` for B. Magnitudes are left to the projection.
+    /// `greatest` for the B of componentwise bounds. Magnitudes are left to the projection.
     fn space(
         self,
         (d, distance): (DVec3, f64),
@@ -128,8 +128,7 @@ impl PacketSpace {
         match camera.projection() {
             Projection::Perspective => {
                 let (d, distance) = (camera.direction(x, y), camera.distance());
-                let greatest = reach + distance;
-                let (stretch, wide) = (greatest / step, greatest / distance);
+                let (stretch, wide) = ((reach + distance) / step, (reach + distance) / distance);
                 let greatest = camera.greatest_direction((x, y), REACH * stride);
                 Self {
                     stretch_and_reach: stretch + REACH,

@@ -1,7 +1,7 @@
 //! Scenes made from seeds to find what takes long: arrangements that are hard for kernels, at random scales, seen from
 //! eyes in hard places.
 
-use super::scenes::{ScenePair, ordinary_pair};
+use super::scene_pair::{ScenePair, ordinary_pair};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 use raycast_oracle::random::Random;

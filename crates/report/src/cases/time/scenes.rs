@@ -1,94 +1,17 @@
 //! Hostile scenes, and as many ordinary triangles in the same place.
 
-use crate::cameras::camera;
+use super::scene_pair::{
+    EYE, ScenePair, SceneView, ordinary, pair, pair_from_the_origin, pair_on_grid, single_mesh,
+    soups_in, to_f32, triangles_on,
+};
 use crate::meshes::{self, mesh, soup};
 use crate::stage::scene_of;
-use raycast_core::camera::{Camera, Projection};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
-use raycast_core::scene::{Mesh, Object, Scene};
+use raycast_core::scene::{Object, Scene};
 use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// Eye, target, and the frame's height there.
-type View = (DVec3, DVec3, f64);
-
-/// A scene, and where it is seen from.
-pub struct SceneView {
-    /// The scene.
-    pub scene: Scene,
-    view: View,
-}
-
-impl SceneView {
-    /// The view in a size, by a projection.
-    pub fn camera(&self, projection: Projection, size: (u32, u32)) -> Camera {
-        let (eye, target, height) = self.view;
-        camera(eye, target, projection, size, height)
-    }
-}
-
-/// A hostile scene, and one of as many ordinary triangles in the same place.
-pub struct ScenePair {
-    /// The scene that takes other kernels time without bound.
-    pub hostile: SceneView,
-    /// The scene to compare it with.
-    pub ordinary: SceneView,
-}
-
-const EYE: DVec3 = DVec3::new(0.25, 0.5, 3.0);
-
-/// Two scenes in one view.
-fn pair_in(view: View, hostile: Scene, ordinary: Scene) -> ScenePair {
-    let [hostile, ordinary] = [hostile, ordinary].map(|scene| SceneView { scene, view });
-    ScenePair { hostile, ordinary }
-}
-
-fn pair(eye: DVec3, hostile: Scene, ordinary: Scene) -> ScenePair {
-    pair_in((eye, DVec3::ZERO, 2.0), hostile, ordinary)
-}
-
-/// Two soups in one view.
-fn soups_in(view: View, hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
-    let scene_of_soup = |corners| single_mesh(soup(corners));
-    pair_in(view, scene_of_soup(hostile), scene_of_soup(ordinary))
-}
-
-/// A soup in a view, and as many ordinary triangles in an ordinary one.
-pub(super) fn ordinary_pair(view: View, hostile: &[[DVec3; 3]]) -> ScenePair {
-    ScenePair {
-        hostile: SceneView {
-            scene: single_mesh(soup(hostile)),
-            view,
-        },
-        ordinary: SceneView {
-            scene: ordinary(hostile.len(), 0.5),
-            view: (EYE, DVec3::ZERO, 2.0),
-        },
-    }
-}
-
-fn single_mesh(mesh: Mesh) -> Scene {
-    scene_of([mesh])
-}
-
-/// A point that single precision represents exactly, so that an eye can be where a corner is.
-fn to_f32(point: DVec3) -> DVec3 {
-    point.as_vec3().as_dvec3()
-}
-
-/// As many random triangles as this, of about this size, around the target.
-fn ordinary(count: usize, size: f64) -> Scene {
-    let mut random = Random::new(410);
-    single_mesh(meshes::random_soup(
-        &mut random,
-        count as u32,
-        DVec3::ZERO,
-        1.0,
-        size,
-    ))
-}
 
 pub(super) fn cone() -> ScenePair {
     let around = |step: u32| {
@@ -398,18 +321,6 @@ pub(super) fn next_to_planes() -> ScenePair {
     pair(DVec3::new(1.0, 0.0, 2.0), hostile, ordinary)
 }
 
-/// A scene and one of as many ordinary triangles, seen from afar along the z axis so that rays meet z = 0 at multiples
-/// of a power of two.
-fn pair_on_grid(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
-    let target = DVec3::new(0.5, 0.5, 0.0);
-    soups_in((target + DVec3::Z * 16.0, target, 12.0), hostile, ordinary)
-}
-
-/// Triangles whose corners are random.
-fn triangles_on(count: usize, mut corner: impl FnMut() -> DVec3) -> Vec<[DVec3; 3]> {
-    (0..count).map(|_| [(); 3].map(|()| corner())).collect()
-}
-
 pub(super) fn integer_plane() -> ScenePair {
     let mut random = Random::new(490);
     let whole = triangles_on(12_000, || (random.in_cube() * 8.0).round().with_z(0.0));
@@ -480,12 +391,6 @@ pub(super) fn ray_plane() -> ScenePair {
         &tilted,
         &ordinary,
     )
-}
-
-/// A scene and one of as many ordinary triangles, seen from next to the origin.
-fn pair_from_the_origin(hostile: &[[DVec3; 3]], ordinary: &[[DVec3; 3]]) -> ScenePair {
-    let eye = DVec3::Z * (2.0 * f64::from(f32::from_bits(1)));
-    soups_in((eye, DVec3::new(0.25, -0.5, -1.0), 1.0), hostile, ordinary)
 }
 
 /// Triangles that all have the origin as a corner.
