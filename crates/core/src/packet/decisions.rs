@@ -95,6 +95,16 @@ impl<'a> Decisions<'a> {
         self.edge_on.is(primitive, self.accel.corners(primitive))
     }
 
+    /// Whether [`Decisions::is_never_hit`] is known to be true of a triangle, or is worth finding out before it is set up
+    /// closely: where the last triangle that was asked about is never hit, most are.
+    #[inline(never)]
+    pub(super) fn is_soon_never_hit(&mut self, primitive: u32) -> bool {
+        if self.edge_on.was_last() {
+            return self.is_never_hit(primitive);
+        }
+        self.edge_on.is_known(primitive)
+    }
+
     /// Whether [`Decisions::is_never_hit`] is known to be true of a triangle.
     #[inline(always)]
     pub(super) fn is_known_never_hit(&self, primitive: u32) -> bool {

@@ -1,13 +1,13 @@
 //! The hits of a packet's rays with all triangles, unordered: an A-buffer (Carpenter, "The A-buffer, an antialiased hidden
 //! surface method", 1984) with an interval of depth for each hit.
 
-use super::interval_zbuffer::edge_functions::EdgeFunctions;
+use super::interval_zbuffer::edge_functions::{EdgeFunctions, ForEachThatMayHit};
 use super::interval_zbuffer::for_each_bit;
 use super::occlusion::Occlusion;
 use super::params::{COLUMNS, RAYS, ROW, SIDE};
 use super::ray_box::RayBox;
 use super::setup::TriangleSetup;
-use crate::num::simd::{F32x8, Lanes, Mask8};
+use crate::num::simd::{F32x8, Lanes, Mask8, Simd, dispatch};
 use crate::single::MOST_HITS;
 
 /// The most possible hits of a packet, four megabytes: [`MOST_HITS`] a ray, beyond which none counts. A packet with more is
@@ -108,7 +108,7 @@ impl HitBuffer {
     #[inline(always)]
     pub(super) fn rasterize(
         &mut self,
-        lanes: impl Lanes,
+        (lanes, simd): (impl Lanes, Simd),
         set_up: &TriangleSetup,
         primitives: &[u32],
         surfaces: &[Surface],
@@ -119,7 +119,7 @@ impl HitBuffer {
                 continue;
             }
             if set_up.ill_conditioned[l] {
-                self.add_each(set_up, l, primitive, surface);
+                self.add_each(simd, (set_up, l), primitive, surface);
             } else {
                 self.add_rows(lanes, set_up, l, primitive, surface);
             }
@@ -202,37 +202,35 @@ impl HitBuffer {
         }
     }
 
-    /// Adds possible hits with an ill-conditioned triangle: of all rays within its bounds where the signs of its edge functions
-    /// do not surely differ.
+    /// Adds possible hits with an ill-conditioned triangle: of all rays within its bounds that may hit it.
     #[inline(never)]
-    fn add_each(&mut self, set_up: &TriangleSetup, l: usize, primitive: u32, surface: Surface) {
-        let RayBox {
-            left,
-            right,
-            top,
-            bottom,
-        } = set_up.boxes[l];
-        let functions = EdgeFunctions::of(set_up, l, primitive);
-        for row in top..=bottom {
-            for column in left..=right {
-                let ray = row as usize * SIDE + column as usize;
-                let (x, y) = (
-                    (column - set_up.column[l]) as f32,
-                    (row - set_up.row[l]) as f32,
-                );
-                if !functions.may_be_hit_at(x, y) || self.closed[ray] == f32::INFINITY {
-                    continue;
-                }
-                self.hits.push(PossibleHit {
-                    ray: ray as u16,
-                    is_sure: false,
-                    is_opaque: surface.is_opaque,
-                    primitive,
-                    low: f32::NEG_INFINITY,
-                    high: f32::INFINITY,
-                });
+    fn add_each(
+        &mut self,
+        simd: Simd,
+        (set_up, l): (&TriangleSetup, usize),
+        primitive: u32,
+        surface: Surface,
+    ) {
+        let of_ray = |ray: usize| {
+            if self.closed[ray] == f32::INFINITY {
+                return;
             }
-        }
+            self.hits.push(PossibleHit {
+                ray: ray as u16,
+                is_sure: false,
+                is_opaque: surface.is_opaque,
+                primitive,
+                low: f32::NEG_INFINITY,
+                high: f32::INFINITY,
+            });
+        };
+        let adding = ForEachThatMayHit {
+            functions: &EdgeFunctions::of(set_up, l, primitive),
+            first: (set_up.column[l] as usize, set_up.row[l] as usize),
+            bounds: set_up.boxes[l],
+            of_ray,
+        };
+        dispatch(simd, adding);
     }
 
     /// Orders the possible hits of each ray as far as their bounds do, and hands over those of each ray that has any.

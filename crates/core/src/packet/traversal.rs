@@ -423,6 +423,9 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             {
                 return Outcome::Occluded;
             }
+            if self.decisions.is_known_never_hit(primitive) {
+                return Outcome::Occluded;
+            }
             self.queue(primitive, rays);
             return Outcome::Queued(rays.count());
         }

@@ -84,6 +84,8 @@ pub(crate) struct EdgeOn {
     decided: Vec<(u32, bool)>,
     /// How many were evicted since the cache last grew.
     evicted: usize,
+    /// What was decided last.
+    last: bool,
 }
 
 impl EdgeOn {
@@ -97,6 +99,7 @@ impl EdgeOn {
             tree_origin,
             decided: Vec::new(),
             evicted: 0,
+            last: false,
         }
     }
 
@@ -112,6 +115,7 @@ impl EdgeOn {
             return is;
         }
         let is = self.decide(corners);
+        self.last = is;
         self.decided[at] = (primitive, is);
         if stored != MISS {
             self.evicted += 1;
@@ -120,6 +124,12 @@ impl EdgeOn {
             }
         }
         is
+    }
+
+    /// Whether the triangle that was decided last is edge-on.
+    #[inline(always)]
+    pub(crate) fn was_last(&self) -> bool {
+        self.last
     }
 
     /// Whether the triangle is known to be edge-on.
@@ -243,11 +253,12 @@ mod tests {
             [Vec3::X, Vec3::Y, Vec3::new(-1.0, -1.0, 0.0)].map(|corner| corner.with_z(z))
         };
         let all = 0..3000u32;
-        for _ in 0..20 {
+        for round in 0..20 {
             for primitive in all.clone() {
                 let expected = primitive.is_multiple_of(3);
                 assert!(expected || !edge_on.is_known(primitive));
                 assert_eq!(edge_on.is(primitive, corners(primitive)), expected);
+                assert!(round > 0 || edge_on.was_last() == expected);
             }
         }
         assert!(

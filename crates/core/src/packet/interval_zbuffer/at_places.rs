@@ -14,7 +14,7 @@ use super::depth_merge::DepthMerge;
 use super::edge_functions::EdgeFunctions;
 use super::rasterize::CONTESTED;
 use super::{ALL, IntervalZBuffer, ROW, SIDE, for_each_bit};
-use crate::num::simd::{F32x8, LANES, Lanes, Mask8};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work, dispatch};
 use crate::packet::decisions::Decisions;
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::{ALL_CELLS, Places, first_of};
@@ -96,7 +96,13 @@ impl IntervalZBuffer {
             }
             let functions = EdgeFunctions::of(&set_up, l, primitive);
             if set_up.ill_conditioned[l] {
-                self.mark_places_undecided(lanes, places, &functions, &bounds[l]);
+                let marking = MarkPlacesUndecided {
+                    zbuffer: self,
+                    places,
+                    functions: &functions,
+                    bounds: &bounds[l],
+                };
+                dispatch(decisions.simd(), marking);
                 continue;
             }
             let all;
@@ -327,28 +333,41 @@ impl IntervalZBuffer {
             }
         }
     }
+}
 
-    /// Marks undecided every ray that an ill-conditioned triangle may hit: those within its bounds where the signs of
-    /// its edge functions do not surely differ.
-    #[inline(never)]
-    fn mark_places_undecided(
-        &mut self,
-        lanes: impl Lanes,
-        places: &Places,
-        functions: &EdgeFunctions,
-        bounds: &PlaceBox,
-    ) {
-        for_each_bit(places.cells_touched(lanes, bounds).into(), |cell| {
-            for_each_bit(places.rows_touched(lanes, cell, bounds).into(), |row| {
-                let first = first_of(cell, row);
-                for ray in first..first + ROW {
-                    let has_ray = places.has_ray[ray / SIDE] >> (ray % SIDE) & 1 != 0;
-                    if has_ray && functions.may_be_hit_at(places.x[ray], places.y[ray]) {
-                        self.high[ray] = f32::INFINITY;
-                        self.leave_ray_undecided(ray, functions.primitive);
-                    }
-                }
-            });
-        });
+/// Marks undecided every ray within bounds that an ill-conditioned triangle may hit.
+struct MarkPlacesUndecided<'m> {
+    zbuffer: &'m mut IntervalZBuffer,
+    places: &'m Places,
+    functions: &'m EdgeFunctions,
+    bounds: &'m PlaceBox,
+}
+
+impl Work for MarkPlacesUndecided<'_> {
+    #[inline(always)]
+    fn run(self, lanes: impl Lanes) {
+        let Self {
+            zbuffer,
+            places,
+            functions,
+            bounds,
+        } = self;
+        let mut cells = places.cells_touched(lanes, bounds);
+        while cells != 0 {
+            let cell = cells.trailing_zeros() as usize % ALL_CELLS;
+            cells &= cells - 1;
+            let mut rows = places.rows_touched(lanes, cell, bounds);
+            while rows != 0 {
+                let first = first_of(cell, rows.trailing_zeros() as usize);
+                rows &= rows - 1;
+                let (x, y) = places.eight(first);
+                let mut rays = functions.may_be_hit(lanes, (lanes.load(x), lanes.load(y)), 0.0);
+                rays &= places.has_ray[first / SIDE] >> (first % SIDE);
+                for_each_bit(rays.into(), |lane| {
+                    zbuffer.high[first + lane] = f32::INFINITY;
+                    zbuffer.leave_ray_undecided(first + lane, functions.primitive);
+                });
+            }
+        }
     }
 }

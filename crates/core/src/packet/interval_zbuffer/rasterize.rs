@@ -4,10 +4,10 @@
 
 use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
-use super::edge_functions::EdgeFunctions;
+use super::edge_functions::{CELL_X, CELL_Y, EdgeFunctions, ForEachThatMayHit, HALF};
 use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
 use crate::hit::MISS;
-use crate::num::simd::{F32x8, LANES, Lanes, Mask8, dispatch};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Simd, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
 use crate::packet::decisions::Decisions;
 use crate::packet::params::{CELLS, COLUMNS, ROW, SIDE};
@@ -16,11 +16,6 @@ use crate::packet::ray_box::RayBox;
 use crate::packet::setup::{PacketSpace, TriangleSetup};
 use crate::triangle::CornerLanes;
 
-/// The distance from a cell's first ray to its centre.
-const HALF: f32 = (ROW as f32 - 1.0) * 0.5;
-/// Columns, and rows, of the centres of two rows of cells.
-const CELL_X: [f32; ROW] = [3.5, 11.5, 19.5, 27.5, 3.5, 11.5, 19.5, 27.5];
-const CELL_Y: [f32; ROW] = [3.5, 3.5, 3.5, 3.5, 11.5, 11.5, 11.5, 11.5];
 /// Bit masks over two rows of cells: the cells of the first one to four columns, and those of the first row.
 const CELL_COLUMNS: [u32; CELLS] = [0x11, 0x33, 0x77, 0xff];
 const CELL_FIRST_ROW: u32 = 0x0f;
@@ -46,7 +41,8 @@ impl IntervalZBuffer {
         let mut which = 0;
         if decisions.are_exact() {
             for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-                if set_up.ill_conditioned[l] && decisions.is_known_never_hit(primitive) {
+                let may_be_never_hit = set_up.ill_conditioned[l] && set_up.boxes[l].right >= 0;
+                if may_be_never_hit && decisions.is_soon_never_hit(primitive) {
                     set_up.boxes[l].right = -1;
                 }
                 which |= u32::from(set_up.is_rough[l] && set_up.boxes[l].right >= 0) << l;
@@ -150,12 +146,8 @@ impl IntervalZBuffer {
             return;
         }
         if set_up.ill_conditioned[l] {
-            self.mark_undecided(
-                &functions,
-                (column, row),
-                (left as usize, right as usize),
-                (top as usize, bottom as usize),
-            );
+            let bounds = set_up.boxes[l];
+            self.mark_undecided(decisions.simd(), &functions, (column, row), bounds);
         } else if set_up.boxes[l].is_narrow() {
             let rows = (bottom - top + 1) as usize;
             let begin = row * SIDE + column;
@@ -493,27 +485,29 @@ impl IntervalZBuffer {
         }
     }
 
-    /// Marks undecided every ray that an ill-conditioned triangle may hit: those within its bounds where the signs of
-    /// its edge functions do not surely differ.
+    /// Marks undecided every ray within bounds that an ill-conditioned triangle may hit. The triangle's functions begin at the
+    /// ray in column and row `first`.
     #[inline(never)]
     pub(super) fn mark_undecided(
         &mut self,
+        simd: Simd,
         functions: &EdgeFunctions,
-        (column, row): (usize, usize),
-        (left, right): (usize, usize),
-        (top, bottom): (usize, usize),
+        first: (usize, usize),
+        bounds: RayBox,
     ) {
-        for j in top..=bottom {
-            for i in left..=right {
-                if functions.may_be_hit_at(i as f32 - column as f32, j as f32 - row as f32) {
-                    let ray = j * SIDE + i;
-                    self.marks += 1;
-                    self.high[ray] = f32::INFINITY;
-                    self.leave_ray_undecided(ray, functions.primitive);
-                    // Hi-z stays as it is, but the cell's sure hits are no longer its rays' closest hits.
-                    self.dirty |= 1 << cell_of(ray);
-                }
-            }
-        }
+        let of_ray = |ray: usize| {
+            self.marks += 1;
+            self.high[ray] = f32::INFINITY;
+            self.leave_ray_undecided(ray, functions.primitive);
+            // Hi-z stays as it is, but the cell's sure hits are no longer its rays' closest hits.
+            self.dirty |= 1 << cell_of(ray);
+        };
+        let marking = ForEachThatMayHit {
+            functions,
+            first,
+            bounds,
+            of_ray,
+        };
+        dispatch(simd, marking);
     }
 }

@@ -6,7 +6,7 @@ use super::*;
 use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::{Cull, Precision};
-use crate::num::simd::Plain;
+use crate::num::simd::{Plain, Simd};
 use crate::packet::around_tests::accel;
 use crate::packet::cast_tests::{build, grid, waves};
 use crate::packet::decisions::Decisions;
@@ -69,7 +69,13 @@ fn edges_within_their_error_are_undecided() {
         zbuffer.rasterize_rows(Plain, &functions, 0, 8, &mut decisions);
         assert_eq!(undecided(&zbuffer), if expected { 64 } else { 0 }, "{edge}");
         zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
-        zbuffer.mark_undecided(&functions, (0, 0), (0, 7), (0, 7));
+        let cell = RayBox {
+            left: 0,
+            right: 7,
+            top: 0,
+            bottom: 7,
+        };
+        zbuffer.mark_undecided(Simd::Plain, &functions, (0, 0), cell);
         // The sign of another edge is sure: where this edge surely has the opposite sign no ray hits the triangle.
         assert_eq!(undecided(&zbuffer), if edge < -0.25 { 0 } else { 64 });
     }
@@ -81,20 +87,25 @@ fn edges_within_their_error_are_undecided() {
 fn many_ill_conditioned_triangles_leave_all_rays_undecided() {
     let mut zbuffer = IntervalZBuffer::new();
     let functions = flat(0.125, [1.0, 0.0, 0.0]);
-    let (half, all) = ((0, SIDE / 2 - 1), (0, SIDE - 1));
+    let half = RayBox {
+        left: 0,
+        right: SIDE as i32 / 2 - 1,
+        top: 0,
+        bottom: SIDE as i32 - 1,
+    };
     for _ in 0..2 {
         zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
         for _ in 0..2 * MANY_MARKS / RAYS {
-            zbuffer.mark_undecided(&functions, (0, 0), half, all);
+            zbuffer.mark_undecided(Simd::Plain, &functions, (0, 0), half);
             assert!(!zbuffer.wants_single_rays());
         }
-        zbuffer.mark_undecided(&functions, (0, 0), half, all);
+        zbuffer.mark_undecided(Simd::Plain, &functions, (0, 0), half);
         assert!(zbuffer.wants_single_rays());
         assert_eq!(undecided(&zbuffer), RAYS / 2);
         assert!(zbuffer.rivals(0, 0).is_some());
         zbuffer.leave_all_undecided();
         assert_eq!(undecided(&zbuffer), RAYS);
-        assert_eq!(zbuffer.rivals(0, 0), None);
+        assert!(zbuffer.rivals(0, 0).is_none());
     }
 }
 
@@ -273,7 +284,13 @@ fn a_cell_is_not_decided_after_an_ill_conditioned_triangle() {
                 primitive: near,
                 ..flat(0.0, [0.0; 3])
             };
-            zbuffer.mark_undecided(&ill_conditioned, (0, 0), (3, 3), (4, 4));
+            let ray = RayBox {
+                left: 3,
+                right: 3,
+                top: 4,
+                bottom: 4,
+            };
+            zbuffer.mark_undecided(Simd::Plain, &ill_conditioned, (0, 0), ray);
             zbuffer.update_hi_z(Plain);
         }
         assert!(!zbuffer.is_behind_sure_hits(middle, cell, &mut decisions));

@@ -59,7 +59,12 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
             let corners = (self.accel).eight_corners::<INSTANCES>(lanes, self.queued.primitives());
             let set_up = space.set_up(&corners, &self.boxes);
             let primitives = &self.queued.primitives[..count];
-            buffer.rasterize(lanes, &set_up, primitives, &surfaces[..count]);
+            buffer.rasterize(
+                (lanes, self.accel.simd),
+                &set_up,
+                primitives,
+                &surfaces[..count],
+            );
             if buffer.is_full() {
                 return false;
             }
