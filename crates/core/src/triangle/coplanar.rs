@@ -27,9 +27,11 @@ pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
 
 /// Whether two triangles lie in one plane perpendicular to an axis.
 pub(crate) fn share_plane_of_axis(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+    // Named one by one: chained iterators took a tenth of the time of casting thousands of triangles of one plane.
     let in_plane_of_axis = |axis: usize| {
-        let mut all = a.iter().chain(&b).map(|corner| corner[axis]);
-        all.all(|coordinate| coordinate == a[0][axis])
+        let level = a[0][axis];
+        let is_of_a = (a[1][axis] == level) & (a[2][axis] == level);
+        is_of_a & (b[0][axis] == level) & (b[1][axis] == level) & (b[2][axis] == level)
     };
     in_plane_of_axis(0) || in_plane_of_axis(1) || in_plane_of_axis(2)
 }

@@ -132,13 +132,30 @@ pub(crate) fn plane_is_parallel(direction: DVec3, corners: [Vec3; 3]) -> bool {
     }
     let corners = corners.map(Vec3::as_dvec3);
     let (lengths, directions) = (Scale::of_vectors(&corners), Scale::of_vectors([&direction]));
+    if lengths.bits <= I128_BITS && directions.bits <= 2 * HALF_BITS {
+        let [a, b, c] = corners.map(|corner| lengths.vector::<i128>(corner));
+        let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
+        return is_perpendicular(&directions.vector(direction), &normal);
+    }
     sized!(
         hit_digits(lengths, directions),
         of(direction, corners, (lengths, directions))
     )
 }
 
-/// The longest coordinates, in bits, for which [`lies_in_plane`] fits 128-bit integers: differences are below
+/// The length, in bits, of the lower halves of directions' components in [`is_perpendicular`].
+const HALF_BITS: u32 = 32;
+
+/// Whether d·n is zero, for n below 2^(2L+3) with L at most [`I128_BITS`], and components of d below 2^64. With d = 2³²h + l,
+/// h·n and l·n are below 2^(2L+3+32+2), and d·n is zero where l·n is −2³² times h·n.
+fn is_perpendicular(direction: &Vector<i128>, normal: &Vector<i128>) -> bool {
+    const LOW: i128 = (1 << HALF_BITS) - 1;
+    let high = dot(&direction.map(|component| component >> HALF_BITS), normal);
+    let low = dot(&direction.map(|component| component & LOW), normal);
+    low & LOW == 0 && low >> HALF_BITS == -high
+}
+
+/// The longest coordinates, in bits, for which what planes decide fits 128-bit integers: differences are below
 /// 2^(L+1), their cross products below 2^(2L+3), and the determinant below 2^(3L+6).
 const I128_BITS: u32 = 40;
 
@@ -388,6 +405,29 @@ mod tests {
 
     fn triangle(corners: [Vec3; 3], origin: DVec3) -> OffsetTriangle {
         OffsetTriangle { corners, origin }
+    }
+
+    /// Normals and directions as long as they may be, perpendicular and not by one unit.
+    #[test]
+    fn perpendicular_directions_are_those_in_integers_of_any_length() {
+        let mut random = Random(32);
+        let mut perpendicular = 0;
+        for round in 0..4000 {
+            let (short, wide) = (2f64.powi(40), 2f64.powi(22));
+            let mut vector = |most: f64| {
+                let place = random.point() * most;
+                place.to_array().map(|x| x as i128)
+            };
+            let (normal, beside) = (vector(short), vector(wide));
+            let mut direction = cross(&normal, &beside);
+            direction[round % 3] += (round as i128 / 3) % 3 - 1;
+            let normal = normal.map(|component| component << 43);
+            let [d, n] = [direction, normal].map(|vector| vector.map(BigInt::from));
+            let expected = Integer::sign(&dot(&d, &n)) == Ordering::Equal;
+            assert_eq!(is_perpendicular(&direction, &normal), expected);
+            perpendicular += usize::from(expected);
+        }
+        assert!((1000..2000).contains(&perpendicular), "{perpendicular}");
     }
 
     /// Short coordinates whose distances are doubles, and longer ones, of triangles anywhere and of one plane.
