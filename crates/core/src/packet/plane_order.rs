@@ -182,9 +182,7 @@ impl PlaneOrder {
         if closer.is_accurate() {
             return closer;
         }
-        let componentwise = edges.space.functions_componentwise(*edges.corners[1]);
-        let componentwise = componentwise.map(|functions| functions.edges);
-        let closest = Self::by_distances(distances, || &componentwise);
+        let closest = Self::by_distances(distances, || edges.componentwise());
         if closest.uncertainty() < closer.uncertainty() {
             closest
         } else {
@@ -344,7 +342,7 @@ struct PairEdges<'p> {
     packet: u32,
     corners: [&'p [Vec3; 3]; 2],
     second: u32,
-    known: &'p mut Cached<u32, BoundedEdges>,
+    known: &'p mut KnownEdges,
 }
 
 impl PairEdges<'_> {
@@ -354,8 +352,40 @@ impl PairEdges<'_> {
             let functions = space.functions_in_double(*corners[1]);
             functions.map(|functions| functions.edges)
         };
-        self.known.get(self.second, self.packet, edges)
+        self.known.in_double.get(self.second, self.packet, edges)
     }
+
+    fn componentwise(&mut self) -> &BoundedEdges {
+        let Self { space, corners, .. } = self;
+        let edges = || {
+            let functions = space.functions_componentwise(*corners[1]);
+            functions.map(|functions| functions.edges)
+        };
+        self.known
+            .componentwise
+            .get(self.second, self.packet, edges)
+    }
+}
+
+/// The edge functions of the triangle that was last ordered with others.
+#[derive(Debug)]
+struct KnownEdges {
+    in_double: Cached<u32, BoundedEdges>,
+    componentwise: Cached<u32, BoundedEdges>,
+}
+
+impl KnownEdges {
+    const NONE: Self = {
+        const NOTHING: Cached<u32, BoundedEdges> = Cached {
+            of: MISS,
+            packet: 0,
+            known: None,
+        };
+        Self {
+            in_double: NOTHING,
+            componentwise: NOTHING,
+        }
+    };
 }
 
 /// The orders of pairs of triangles along the rays of a packet.
@@ -367,8 +397,7 @@ pub(super) struct PlaneOrders {
     packet: u32,
     /// By the low bits of the primitive index. Empty before the first use, since most pictures need none.
     planes: Vec<Cached<u32, TurnedPlane>>,
-    /// Of the triangle that was last ordered with others.
-    edges: Cached<u32, BoundedEdges>,
+    edges: KnownEdges,
     /// By the low bits of a sum of both primitive indices.
     orders: Vec<Cached<[u32; 2], PlaneOrder>>,
 }
@@ -400,11 +429,7 @@ impl PlaneOrders {
             space: None,
             packet: 0,
             planes: Vec::new(),
-            edges: Cached {
-                of: MISS,
-                packet: 0,
-                known: None,
-            },
+            edges: KnownEdges::NONE,
             orders: Vec::new(),
         }
     }
