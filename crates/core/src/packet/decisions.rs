@@ -147,7 +147,12 @@ impl<'a> Decisions<'a> {
         set_up: &mut TriangleSetup,
     ) {
         if let Some(keys) = &mut self.plane_keys {
-            keys.refine(space, triangles, set_up);
+            let in_plane = keys.refine(space, triangles, set_up);
+            for (l, &primitive) in triangles.1.iter().enumerate() {
+                if in_plane >> l & 1 != 0 {
+                    self.coplanar.join(keys.primitive(), primitive);
+                }
+            }
         }
     }
 

@@ -142,16 +142,18 @@ impl PlaneKeys {
         }
     }
 
-    /// Sets up those of eight triangles again whose depth keys are inaccurate.
+    /// Sets up those of eight triangles again whose depth keys are inaccurate. Returns, as bits, those of them that lie in
+    /// the plane: no arithmetic gives their keys, which are zero, more closely.
     #[inline(never)]
     pub(super) fn refine(
         &mut self,
         space: &PacketSpace,
         (corners, primitives): (&CornerLanes, &[u32]),
         out: &mut TriangleSetup,
-    ) {
+    ) -> u32 {
+        let mut in_plane = 0;
         if self.packet.is_none() {
-            return;
+            return in_plane;
         }
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             let span = FunctionDomain::of(&out.boxes[l]);
@@ -165,10 +167,12 @@ impl PlaneKeys {
                 Vec3::new(cx[l], cy[l], cz[l]),
             ];
             let distances = self.distances(primitive, corners);
+            let is_in_plane = distances == [(0.0, 0.0); 3];
+            in_plane |= u32::from(is_in_plane) << l;
             let in_double = space.functions_in_double(corners);
             let in_double = in_double.and_then(|functions| self.key(distances, functions));
             if let Some((functions, key)) = in_double
-                && key.1 <= LINEAR_ERROR * key.0.moved(&span).size(&span)
+                && (is_in_plane || key.1 <= LINEAR_ERROR * key.0.moved(&span).size(&span))
                 && functions.are_edges_smooth(&span)
             {
                 out.store(space, l, &functions, key);
@@ -183,6 +187,7 @@ impl PlaneKeys {
                 out.store(space, l, &functions, key);
             }
         }
+        in_plane
     }
 
     /// A triangle's depth key over the whole packet, with the bound on its error but for single precision's, from the
@@ -353,6 +358,52 @@ mod tests {
             assert!(both > 2000, "{both}");
             assert!(ordered * 100 > both * 97, "{ordered} of {both}");
         }
+    }
+
+    /// Triangles of a tilted plane, each second of which has a corner moved off it by a rounding: the others are told to lie in
+    /// the plane, and have keys of zero.
+    #[test]
+    fn triangles_in_the_plane_are_told_from_those_beside_it() {
+        let mut random = Random(126);
+        let mut sure = 0;
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            for _ in 0..100 {
+                let camera = camera(&mut random, DVec3::ZERO, projection, 0.05);
+                let mut corner = || {
+                    let [x, y] = [(); 2].map(|()| (random.signed() * 64.0).round() / 16.0);
+                    Vec3::new(x as f32, y as f32, (x + 2.0 * y) as f32)
+                };
+                let mut triangles = [(); LANES].map(|()| [corner(), corner(), corner()]);
+                for l in (1..LANES).step_by(2) {
+                    let z = &mut triangles[l][l / 2 % 3].z;
+                    *z = z.next_up();
+                }
+                let space = space(&camera, DVec3::ZERO, Cull::None);
+                let Some(key) = space.depth_key_in_double(triangles[0]) else {
+                    continue;
+                };
+                let plane = ReferencePlane { primitive: 0, key };
+                let reference = DepthReference::NONE.with_plane(plane, (31.0, 31.0));
+                let space = space.relative_to(reference.expect("a key in range"));
+                let corners = lanes_of(triangles);
+                let mut set_up = space.set_up(&corners, &[ALL; LANES]);
+                // As where no arithmetic in doubles tells the planes apart.
+                set_up.depth_key_error = [f32::INFINITY; LANES];
+                let mut keys = PlaneKeys::default();
+                keys.set(&space, 0, triangles[0]);
+                let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
+                let in_plane = keys.refine(&space, (&corners, &primitives), &mut set_up);
+                assert_eq!(in_plane, 0b0101_0101, "{triangles:?}");
+                for l in (0..LANES)
+                    .step_by(2)
+                    .filter(|&l| !set_up.ill_conditioned[l])
+                {
+                    assert_eq!(set_up.depth_key.map(|f| f[l]), [0.0; 3]);
+                    sure += u32::from(set_up.depth_key_error[l] < 1e-30);
+                }
+            }
+        }
+        assert!(sure > 600, "{sure}");
     }
 
     /// Compares a triangle's keys, relative to the plane of another, with those of its hits by every `step`th ray.
