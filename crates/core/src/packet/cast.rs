@@ -21,6 +21,7 @@ use crate::single::{self, Clipped};
 use crate::triangle::clip::Clip;
 use crate::triangle::{BoundedHit, SharedTriangles};
 use around::FindAround;
+use std::iter::Empty;
 use std::rc::Rc;
 
 impl Accel {
@@ -205,7 +206,7 @@ impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
             }
             for packet in large.split(SIDE as u32) {
                 if traversal.cast(lanes, &packet, find.cull, &mut zbuffer, &mut ()) {
-                    find.keep(&packet, &mut zbuffer);
+                    find.keep(&packet, &zbuffer);
                 }
             }
         }
@@ -217,7 +218,7 @@ impl<const INSTANCES: bool> Work for FindOnPlane<'_, '_, INSTANCES> {
 impl Find<'_> {
     /// Stores what a packet found, and casts its undecided rays.
     #[inline(always)]
-    pub(super) fn keep(&mut self, packet: &RayRect, zbuffer: &mut IntervalZBuffer) {
+    pub(super) fn keep(&mut self, packet: &RayRect, zbuffer: &IntervalZBuffer) {
         let columns = packet.columns as usize;
         let mut undecided = 0;
         for row in 0..packet.rows {
@@ -240,8 +241,7 @@ impl Find<'_> {
 
     /// Casts the undecided rays of a packet; `rows` (as bits) are those that have any.
     #[inline(never)]
-    fn decide(&mut self, packet: &RayRect, zbuffer: &mut IntervalZBuffer, rows: u32) {
-        zbuffer.sort_rivals();
+    fn decide(&mut self, packet: &RayRect, zbuffer: &IntervalZBuffer, rows: u32) {
         for row in (0..packet.rows).filter(|row| rows >> row & 1 != 0) {
             for column in 0..packet.columns {
                 if !IntervalZBuffer::is_undecided(zbuffer.row(row)[column as usize]) {
@@ -272,7 +272,7 @@ impl Find<'_> {
 
     /// The answer of [`Accel::cast_primitive`] for a ray whose closest hit, if any, is one of its rivals; without
     /// rivals it traverses the tree.
-    fn cast_one(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
+    fn cast_one(&mut self, ray: &Ray, rivals: Option<impl Iterator<Item = u32>>) -> u32 {
         if let Some((last, primitive)) = self.last
             && last == *ray
         {
@@ -284,7 +284,7 @@ impl Find<'_> {
     }
 
     /// [`Find::cast_one`] of another ray than the last.
-    fn cast_another(&mut self, ray: &Ray, rivals: Option<&[(u32, u32)]>) -> u32 {
+    fn cast_another(&mut self, ray: &Ray, rivals: Option<impl Iterator<Item = u32>>) -> u32 {
         let Some(ray) = (self.accel).prepare(ray, self.cull, self.precision) else {
             return MISS;
         };
@@ -292,7 +292,7 @@ impl Find<'_> {
         let nearest = match rivals {
             Some(rivals) if self.precision == Precision::Exact => {
                 let mut nearest = BoundedHit::NONE;
-                for &(_, primitive) in rivals {
+                for primitive in rivals {
                     self.accel
                         .intersect_kept(self.clip, &ray, primitive, &mut nearest);
                 }
@@ -316,7 +316,7 @@ impl Find<'_> {
     fn cast_each(&mut self, rect: &RayRect) {
         for row in rect.row..rect.row + rect.rows {
             for column in rect.column..rect.column + rect.columns {
-                let primitive = self.cast_one(&self.lattice.ray(column, row), None);
+                let primitive = self.cast_one(&self.lattice.ray(column, row), None::<Empty<u32>>);
                 self.counts.hits += u64::from(primitive != MISS);
                 self.primitives[(row * self.lattice.columns + column) as usize] = primitive;
             }

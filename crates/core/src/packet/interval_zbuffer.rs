@@ -182,13 +182,8 @@ impl IntervalZBuffer {
         (self.contests > MANY_CONTESTS).then_some(self.contested_by)
     }
 
-    /// Sorts rivals as [`IntervalZBuffer::rivals`] needs them.
-    pub(crate) fn sort_rivals(&mut self) {
-        self.rivals.sort();
-    }
-
-    /// The rivals of an undecided ray, after sorting: see [`Rivals::of`].
-    pub(crate) fn rivals(&self, row: u32, column: u32) -> Option<&[(u32, u32)]> {
+    /// The rivals of an undecided ray: see [`Rivals::of`].
+    pub(crate) fn rivals(&self, row: u32, column: u32) -> Option<impl Iterator<Item = u32>> {
         self.rivals.of(row as usize * SIDE + column as usize)
     }
 

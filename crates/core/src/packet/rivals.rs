@@ -15,50 +15,88 @@ const MOST: usize = 1 << 17;
 /// The rivals of a packet's rays.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rivals {
-    /// The ray's index, in row order, and a primitive index.
-    pairs: Vec<(u32, u32)>,
-    /// For each undecided ray a triangle that it surely hits, or [`MISS`]. Empty before the first undecided ray;
-    /// entries of other rays are meaningless.
-    sure_hits: Vec<u32>,
+    /// Of all rays, in the order in which they were found.
+    found: Vec<Rival>,
+    /// Empty before the first undecided ray; entries of rays that are not undecided are meaningless.
+    rays: Vec<OfRay>,
     overflowed: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Rival {
+    primitive: u32,
+    /// Where the ray's next one is; [`MISS`] after the last.
+    next: u32,
+}
+
+/// The list of an undecided ray.
+#[derive(Clone, Copy, Debug)]
+struct OfRay {
+    /// Where the first and the last rival are; [`MISS`] without any.
+    first: u32,
+    last: u32,
+    /// A triangle that the ray surely hits, or [`MISS`].
+    sure_hit: u32,
+}
+
+impl OfRay {
+    const NONE: Self = Self {
+        first: MISS,
+        last: MISS,
+        sure_hit: MISS,
+    };
 }
 
 impl Rivals {
     pub(super) fn clear(&mut self) {
-        self.pairs.clear();
+        self.found.clear();
         self.overflowed = false;
     }
 
-    /// Records that a triangle may be a ray's closest hit.
+    /// Records that a triangle may be an undecided ray's closest hit.
     pub(super) fn push(&mut self, ray: usize, primitive: u32) {
-        if self.pairs.len() < MOST {
-            self.pairs.push((ray as u32, primitive));
-        } else {
-            self.overflowed = true;
+        self.overflowed |= self.found.len() == MOST;
+        if self.overflowed {
+            return;
         }
+        let next = self.found.len() as u32;
+        let of_ray = &mut self.rays[ray];
+        match self.found.get_mut(of_ray.last as usize) {
+            Some(last) if last.primitive == primitive => return,
+            Some(last) => last.next = next,
+            None => of_ray.first = next,
+        }
+        of_ray.last = next;
+        self.found.push(Rival {
+            primitive,
+            next: MISS,
+        });
     }
 
     /// Begins the list of a ray that was decided until now, with the closest hit that it had, if any.
     pub(super) fn begin(&mut self, ray: usize, before: Option<u32>) {
-        if self.sure_hits.is_empty() {
-            self.sure_hits.resize(SIDE * SIDE, MISS);
+        if self.rays.is_empty() {
+            self.rays.resize(SIDE * SIDE, OfRay::NONE);
         }
+        self.rays[ray] = OfRay {
+            sure_hit: before.unwrap_or(MISS),
+            ..OfRay::NONE
+        };
         if let Some(before) = before {
             self.push(ray, before);
         }
-        self.set_sure_hit(ray, before.unwrap_or(MISS));
     }
 
     /// Keeps, as the sure hit of an undecided ray, one of its rivals.
     pub(super) fn set_sure_hit(&mut self, ray: usize, primitive: u32) {
-        if let Some(sure_hit) = self.sure_hits.get_mut(ray) {
-            *sure_hit = primitive;
+        if let Some(of_ray) = self.rays.get_mut(ray) {
+            of_ray.sure_hit = primitive;
         }
     }
 
     /// The sure hit of an undecided ray, if one is known.
     pub(super) fn sure_hit(&self, ray: usize) -> Option<u32> {
-        let sure_hit = self.sure_hits.get(ray).copied();
+        let sure_hit = self.rays.get(ray).map(|of_ray| of_ray.sure_hit);
         sure_hit.filter(|&primitive| primitive != MISS)
     }
 
@@ -67,24 +105,15 @@ impl Rivals {
         self.overflowed = true;
     }
 
-    /// Sorts the pairs by ray, as [`Rivals::of`] needs them.
-    pub(super) fn sort(&mut self) {
-        if self.overflowed {
-            return;
-        }
-        self.pairs.sort_unstable();
-        self.pairs.dedup();
-    }
-
-    /// A ray's rivals, after sorting; `None` where too many were recorded.
-    pub(super) fn of(&self, ray: usize) -> Option<&[(u32, u32)]> {
+    /// An undecided ray's rivals, in the order in which they were found; `None` where too many were recorded.
+    pub(super) fn of(&self, ray: usize) -> Option<impl Iterator<Item = u32>> {
         if self.overflowed {
             return None;
         }
-        let first = self.pairs.partition_point(|pair| (pair.0 as usize) < ray);
-        let rest = &self.pairs[first..];
-        let count = rest.partition_point(|pair| pair.0 as usize == ray);
-        Some(&rest[..count])
+        let rival = |at: u32| self.found.get(at as usize);
+        let first = self.rays.get(ray).and_then(|of_ray| rival(of_ray.first));
+        let all = std::iter::successors(first, move |last| rival(last.next));
+        Some(all.map(|rival| rival.primitive))
     }
 }
 
@@ -92,37 +121,49 @@ impl Rivals {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_ray_becomes_undecided_with_the_hit_that_it_had() {
-        let mut rivals = Rivals::default();
-        rivals.begin(3, Some(8));
-        rivals.begin(4, None);
-        rivals.push(4, 9);
-        rivals.sort();
-        assert_eq!((rivals.sure_hit(3), rivals.sure_hit(4)), (Some(8), None));
-        assert_eq!(rivals.of(3), Some(&[(3, 8)][..]));
-        rivals.set_sure_hit(4, 9);
-        assert_eq!(rivals.sure_hit(4), Some(9));
-        rivals.begin(4, None);
-        assert_eq!(rivals.sure_hit(4), None);
+    fn of(rivals: &Rivals, ray: usize) -> Option<Vec<u32>> {
+        rivals.of(ray).map(Iterator::collect)
     }
 
     #[test]
-    fn rivals_are_grouped_by_ray_without_repetition() {
+    fn a_ray_becomes_undecided_with_the_hit_that_it_had() {
         let mut rivals = Rivals::default();
-        for (ray, primitive) in [(7, 3), (2, 9), (7, 1), (7, 3), (0, 4)] {
-            rivals.push(ray, primitive);
+        assert_eq!((rivals.sure_hit(3), of(&rivals, 3)), (None, Some(vec![])));
+        rivals.begin(3, Some(8));
+        rivals.begin(4, None);
+        rivals.push(4, 9);
+        assert_eq!((rivals.sure_hit(3), rivals.sure_hit(4)), (Some(8), None));
+        assert_eq!(of(&rivals, 3), Some(vec![8]));
+        rivals.set_sure_hit(4, 9);
+        assert_eq!(rivals.sure_hit(4), Some(9));
+        rivals.begin(4, None);
+        assert_eq!((rivals.sure_hit(4), of(&rivals, 4)), (None, Some(vec![])));
+    }
+
+    /// The rays' lists lie among one another.
+    #[test]
+    fn rivals_are_those_of_their_ray_in_the_order_in_which_they_were_found() {
+        let mut rivals = Rivals::default();
+        for _ in 0..2 {
+            for (ray, before) in [(7, None), (2, Some(5)), (0, None)] {
+                rivals.begin(ray, before);
+            }
+            for (ray, primitive) in [(7, 3), (7, 3), (2, 9), (7, 1), (2, 9), (0, 4), (7, 6)] {
+                rivals.push(ray, primitive);
+            }
+            assert_eq!(of(&rivals, 7), Some(vec![3, 1, 6]));
+            assert_eq!(of(&rivals, 2), Some(vec![5, 9]));
+            assert_eq!(of(&rivals, 0), Some(vec![4]));
+            rivals.clear();
         }
-        rivals.sort();
-        assert_eq!(rivals.of(7), Some(&[(7, 1), (7, 3)][..]));
-        assert_eq!(rivals.of(0), Some(&[(0, 4)][..]));
-        assert_eq!(rivals.of(5), Some(&[][..]));
-        for _ in 0..=MOST {
-            rivals.push(1, 1);
+        rivals.begin(1, None);
+        for primitive in 0..=MOST as u32 {
+            assert!(rivals.of(1).is_some());
+            rivals.push(1, primitive);
         }
-        rivals.sort();
-        assert_eq!(rivals.of(2), None);
+        assert_eq!((of(&rivals, 1), of(&rivals, 2)), (None, None));
         rivals.clear();
-        assert_eq!(rivals.of(2), Some(&[][..]));
+        rivals.begin(2, Some(3));
+        assert_eq!(of(&rivals, 2), Some(vec![3]));
     }
 }

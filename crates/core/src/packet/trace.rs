@@ -147,7 +147,7 @@ impl Work for RecordTrace<'_> {
                     let mut recorder = Recorder::default();
                     let before = traversal.counts.nodes;
                     if traversal.cast(lanes, &packet, cull, &mut zbuffer, &mut recorder) {
-                        find.keep(&packet, &mut zbuffer);
+                        find.keep(&packet, &zbuffer);
                     }
                     let seen = ray_indices(lattice, &packet).map(|at| find.primitives[at]);
                     trace.packets.push(PacketTrace {

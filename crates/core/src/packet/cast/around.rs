@@ -84,7 +84,7 @@ impl Work for FindAround<'_> {
                     Fit::Wide => find.cast_each(&packet),
                     Fit::Packet => {
                         if traversal.cast_at_places(lanes, &places, find.cull, &mut zbuffer) {
-                            find.keep(&packet, &mut zbuffer);
+                            find.keep(&packet, &zbuffer);
                         }
                     }
                 }
