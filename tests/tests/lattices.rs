@@ -8,6 +8,7 @@ use raycast_core::camera::{Lattice, Rect};
 use raycast_core::glam::DVec3;
 use raycast_oracle::random::Random;
 use raycast_report::cameras::{PROJECTIONS, camera};
+use raycast_report::cases::time::hunted;
 use raycast_report::meshes;
 use raycast_tests::check::{Check, Stage, part};
 
@@ -113,4 +114,20 @@ fn lattices_of_every_size() {
         }
     }
     tally.end(0.5);
+}
+
+/// The scenes among which slow ones are looked for: some from their beginning, and those that packets were made faster for.
+#[test]
+fn scenes_of_the_hunt() {
+    const MADE_FASTER: [u64; 10] = [500, 598, 711, 1879, 2058, 2078, 2297, 2478, 2748, 2846];
+    let mut tally = Tally::new("scenes of the hunt");
+    for seed in (0..50).chain(MADE_FASTER) {
+        let seen = hunted(seed).hostile;
+        let cameras = PROJECTIONS.map(|projection| seen.camera(projection, (36, 34)));
+        let stage = Stage::from_scene(seen.scene);
+        for (camera, cull) in cameras.iter().zip([Cull::None, Cull::Back]) {
+            tally.check(&stage, &camera.whole().lattice(), cull, 400);
+        }
+    }
+    tally.end(0.2);
 }
