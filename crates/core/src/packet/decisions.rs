@@ -95,10 +95,10 @@ impl<'a> Decisions<'a> {
         self.edge_on.is(primitive, self.accel.corners(primitive))
     }
 
-    /// Whether [`Decisions::is_never_hit`] is known to be true of a triangle, or is worth finding out before it is set up
-    /// closely: where the last triangle that was asked about is never hit, most are.
+    /// As [`Decisions::is_known_never_hit`], but where the triangle that was decided last is never hit this one is decided too:
+    /// most are, and deciding it costs less than setting it up closely.
     #[inline(never)]
-    pub(super) fn is_soon_never_hit(&mut self, primitive: u32) -> bool {
+    pub(super) fn is_never_hit_if_likely(&mut self, primitive: u32) -> bool {
         if self.edge_on.was_last() {
             return self.is_never_hit(primitive);
         }

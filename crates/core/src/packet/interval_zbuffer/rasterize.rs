@@ -42,7 +42,7 @@ impl IntervalZBuffer {
         if decisions.are_exact() {
             for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
                 let may_be_never_hit = set_up.ill_conditioned[l] && set_up.boxes[l].right >= 0;
-                if may_be_never_hit && decisions.is_soon_never_hit(primitive) {
+                if may_be_never_hit && decisions.is_never_hit_if_likely(primitive) {
                     set_up.boxes[l].right = -1;
                 }
                 which |= u32::from(set_up.is_rough[l] && set_up.boxes[l].right >= 0) << l;
