@@ -360,10 +360,10 @@ mod tests {
         }
     }
 
-    /// Triangles of a tilted plane, each second of which has a corner moved off it by a rounding: the others are told to lie in
+    /// Triangles of a tilted plane, each second of which has a corner moved off it by a rounding: the others are found to lie in
     /// the plane, and have keys of zero.
     #[test]
-    fn triangles_in_the_plane_are_told_from_those_beside_it() {
+    fn triangles_in_the_plane_are_distinguished_from_those_beside_it() {
         let mut random = Random(126);
         let mut sure = 0;
         for projection in [Projection::Perspective, Projection::Orthographic] {
@@ -387,7 +387,7 @@ mod tests {
                 let space = space.relative_to(reference.expect("a key in range"));
                 let corners = lanes_of(triangles);
                 let mut set_up = space.set_up(&corners, &[ALL; LANES]);
-                // As where no arithmetic in doubles tells the planes apart.
+                // As where double precision does not distinguish the planes.
                 set_up.depth_key_error = [f32::INFINITY; LANES];
                 let mut keys = PlaneKeys::default();
                 keys.set(&space, 0, triangles[0]);

@@ -44,6 +44,16 @@ fn decisions_of<'a>(accel: &'a Accel, clip: &'a Clip, precision: Precision) -> D
     Decisions::new(accel, clip, &camera.whole().lattice(), precision)
 }
 
+/// Bounds from the first to the last column and row.
+fn ray_box([left, right]: [i32; 2], [top, bottom]: [i32; 2]) -> RayBox {
+    RayBox {
+        left,
+        right,
+        top,
+        bottom,
+    }
+}
+
 fn undecided(zbuffer: &IntervalZBuffer) -> usize {
     let stored = zbuffer.primitives.iter();
     stored.filter(|&&stored| stored == UNDECIDED).count()
@@ -69,12 +79,7 @@ fn edges_within_their_error_are_undecided() {
         zbuffer.rasterize_rows(Plain, &functions, 0, 8, &mut decisions);
         assert_eq!(undecided(&zbuffer), if expected { 64 } else { 0 }, "{edge}");
         zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
-        let cell = RayBox {
-            left: 0,
-            right: 7,
-            top: 0,
-            bottom: 7,
-        };
+        let cell = ray_box([0, 7], [0, 7]);
         zbuffer.mark_undecided(Simd::Plain, &functions, (0, 0), cell);
         // The sign of another edge is sure: where this edge surely has the opposite sign no ray hits the triangle.
         assert_eq!(undecided(&zbuffer), if edge < -0.25 { 0 } else { 64 });
@@ -87,12 +92,7 @@ fn edges_within_their_error_are_undecided() {
 fn many_ill_conditioned_triangles_leave_all_rays_undecided() {
     let mut zbuffer = IntervalZBuffer::new();
     let functions = flat(0.125, [1.0, 0.0, 0.0]);
-    let half = RayBox {
-        left: 0,
-        right: SIDE as i32 / 2 - 1,
-        top: 0,
-        bottom: SIDE as i32 - 1,
-    };
+    let half = ray_box([0, SIDE as i32 / 2 - 1], [0, SIDE as i32 - 1]);
     for _ in 0..2 {
         zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
         for _ in 0..2 * MANY_MARKS / RAYS {
@@ -279,12 +279,7 @@ fn a_cell_is_not_decided_after_an_ill_conditioned_triangle() {
                 primitive: near,
                 ..flat(0.0, [0.0; 3])
             };
-            let ray = RayBox {
-                left: 3,
-                right: 3,
-                top: 4,
-                bottom: 4,
-            };
+            let ray = ray_box([3, 3], [4, 4]);
             zbuffer.mark_undecided(Simd::Plain, &ill_conditioned, (0, 0), ray);
             zbuffer.update_hi_z(Plain);
         }
