@@ -217,17 +217,10 @@ impl Work for ComponentwiseSetup<'_> {
             out,
             one_by_one,
         } = self;
-        let mut alone = which;
-        if !*one_by_one {
-            alone = 0;
-            for l in 0..LANES {
-                let factors = Factors::new(corners_in_lane(corners, l), space.origin);
-                let functions = space.functions(&factors);
-                let is_asked = (which >> l & 1 != 0) & factors.in_range;
-                alone |= u32::from(is_asked & space.are_rounded(&functions)) << l;
-                space.store(&functions, (l, is_asked), out);
-            }
-        }
+        let alone = match *one_by_one {
+            true => which,
+            false => space.set_up_together(*corners, which, out),
+        };
         // Those that gain nothing from the others.
         let mut gain_nothing = 0;
         for l in 0..LANES {
@@ -257,10 +250,36 @@ pub(super) fn corners_in_lane(
 }
 
 impl PacketSpace {
-    /// Stores a triangle's functions as those of lane `l`, if it is asked for. If no ray hits the triangle its ray
-    /// bounds are emptied.
+    /// Sets up those of eight triangles that `which` asks for, from products in double precision. Returns, as bits,
+    /// those for which these do not suffice.
+    ///
+    /// The space and the set-up are copied, and what is true of any lane is collected afterwards: the compiler turns the
+    /// loop into vectors only if nothing in it may overlap and no iteration writes where another does.
     #[inline(always)]
-    fn store(&self, functions: &Functions, (l, is_asked): (usize, bool), out: &mut TriangleSetup) {
+    fn set_up_together(&self, corners: CornerLanes, which: u32, out: &mut TriangleSetup) -> u32 {
+        let (space, mut set_up) = (self.clone(), out.clone());
+        let (mut alone, mut overflow) = ([false; LANES], [false; LANES]);
+        for l in 0..LANES {
+            let factors = Factors::new(corners_in_lane(&corners, l), space.origin);
+            let functions = space.functions(&factors);
+            let is_asked = (which >> l & 1 != 0) & factors.in_range;
+            alone[l] = is_asked & space.are_rounded(&functions);
+            overflow[l] = space.store(&functions, (l, is_asked), &mut set_up);
+        }
+        set_up.overflows |= overflow.contains(&true);
+        *out = set_up;
+        (alone.into_iter().enumerate()).fold(0, |bits, (l, is)| bits | u32::from(is) << l)
+    }
+
+    /// Stores a triangle's functions as those of lane `l`, if it is asked for. If no ray hits the triangle its ray
+    /// bounds are emptied. Returns whether its depth key alone overflows single precision.
+    #[inline(always)]
+    fn store(
+        &self,
+        functions: &Functions,
+        (l, is_asked): (usize, bool),
+        out: &mut TriangleSetup,
+    ) -> bool {
         let (facing, facing_error) = functions.facing;
         let clear = is_clear(functions.facing);
         let mut culled = (self.cull == Cull::Back) & (facing > 0.0);
@@ -294,7 +313,7 @@ impl PacketSpace {
         };
         culled &= clear & is_asked;
         out.boxes[l].right = if culled { -1 } else { out.boxes[l].right };
-        out.overflows |= is_asked & !culled & clear & is_sound & !is_in_range;
+        is_asked & !culled & clear & is_sound & !is_in_range
     }
 
     /// Sets up lane `l` again, from closer factors where double precision does not suffice, and ends as soon as it is
@@ -314,7 +333,7 @@ impl PacketSpace {
         let Some(functions) = functions else {
             return false;
         };
-        self.store(&functions, (l, true), out);
+        out.overflows |= self.store(&functions, (l, true), out);
         functions.are_rounded
     }
 
