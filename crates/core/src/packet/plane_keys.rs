@@ -230,8 +230,8 @@ impl PlaneKeys {
             return [(0.0, 0.0); 3];
         }
         if !may_lie_in_plane {
-            let distance = |point| plane.distance_in_double_double(self.corners, point);
-            let known = unless_shared(pair, points.map(distance));
+            let known = plane.distances_in_double_double(self.corners, points);
+            let known = unless_shared(pair, known);
             if are_accurate(known) {
                 return known;
             }

@@ -164,8 +164,8 @@ impl PlaneOrder {
         }
         let mut distances = distances;
         if !may_lie_in_plane {
-            let distance = |corner| plane.distance_in_double_double(*first, corner);
-            distances = unless_shared(edges.corners, second.map(distance));
+            distances = plane.distances_in_double_double(*first, *second);
+            distances = unless_shared(edges.corners, distances);
             let closer = Self::by_distances(distances, || edges.in_double());
             if closer.is_accurate() {
                 return closer;

@@ -1,7 +1,8 @@
 //! Triangles exactly edge-on to a camera: decided once for all its rays.
 
-use super::componentwise::{eye_distance, plane_crosses, plane_misses};
+use super::componentwise::{plane_crosses, plane_misses};
 use super::exact::{OffsetTriangle, plane_contains, plane_is_parallel};
+use super::wide_determinants::eye_distance;
 use crate::camera::{Camera, Projection};
 use crate::hit::MISS;
 use glam::{DVec3, Vec3};

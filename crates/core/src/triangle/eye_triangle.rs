@@ -1,8 +1,10 @@
 //! What rays from one eye share of a triangle.
 
-use super::componentwise::{self, Determinant, EyeDeterminants};
+use super::componentwise::Determinant;
 use super::exact::{self, OffsetTriangle};
+use super::eye_determinants::EyeDeterminants;
 use super::plane::{LEAST_SURE, distance_of_eye};
+use super::wide_determinants::{self, WideDeterminants};
 use glam::{DVec3, Vec3};
 use std::cell::{Cell, OnceCell};
 use std::fmt;
@@ -16,6 +18,7 @@ const CACHED: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EyeTriangle {
     pub(super) numerator: OnceCell<Option<Determinant>>,
+    pub(super) wide: OnceCell<Option<WideDeterminants>>,
     pub(super) determinants: OnceCell<Option<EyeDeterminants>>,
     pub(super) closest: OnceCell<Option<EyeDeterminants>>,
 }
@@ -32,7 +35,17 @@ impl EyeTriangle {
         })
     }
 
-    /// What all determinants share; `None` where they are not to be had.
+    /// What all determinants share in double-double arithmetic; `None` where a factor is out of range.
+    pub(super) fn wide_determinants(
+        &self,
+        eye: DVec3,
+        triangle: &OffsetTriangle,
+    ) -> Option<&WideDeterminants> {
+        let new = || WideDeterminants::new(eye, triangle);
+        self.wide.get_or_init(new).as_ref()
+    }
+
+    /// The same, rounded to double precision; `None` where they are not to be had.
     pub(super) fn determinants(
         &self,
         eye: DVec3,
@@ -40,7 +53,8 @@ impl EyeTriangle {
     ) -> Option<&EyeDeterminants> {
         let new = || {
             let numerator = self.numerator(eye, triangle)?;
-            EyeDeterminants::new(eye, triangle, numerator)
+            let wide = self.wide_determinants(eye, triangle)?;
+            Some(EyeDeterminants::new(wide, numerator))
         };
         self.determinants.get_or_init(new).as_ref()
     }
@@ -100,7 +114,7 @@ impl EyeTriangles {
 /// The cross product of two corners relative to an eye, each component within 2.01ε of itself: in double-double
 /// arithmetic where that suffices, else exactly.
 pub(crate) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> DVec3 {
-    componentwise::cross_from(eye, corners).unwrap_or_else(|| exact::cross_from(eye, corners))
+    wide_determinants::cross_from(eye, corners).unwrap_or_else(|| exact::cross_from(eye, corners))
 }
 
 #[cfg(test)]

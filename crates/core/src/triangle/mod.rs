@@ -9,6 +9,7 @@ mod corner_lanes;
 pub(crate) mod edge_on;
 mod edges;
 pub(crate) mod exact;
+mod eye_determinants;
 mod eye_triangle;
 pub(crate) mod interpolate;
 pub(crate) mod linear;
@@ -17,6 +18,7 @@ pub(crate) mod plane;
 pub(crate) mod row_tests;
 mod shared_triangles;
 mod watertight;
+mod wide_determinants;
 
 pub(crate) use bounded_hit::BoundedHit;
 pub(crate) use componentwise::Determinant;

@@ -20,8 +20,9 @@
 //! those of triangles of a tilted plane whose corners are subnormal numbers off it, say.
 
 use super::BoundedHit;
-use super::componentwise::{Determinant, eye_distance, plane_distance};
+use super::componentwise::Determinant;
 use super::exact::{self, OffsetTriangle};
+use super::wide_determinants::{eye_distance, plane_distances};
 use crate::num::roundoff::EPSILON;
 use glam::{DVec3, Vec3};
 
@@ -129,10 +130,14 @@ impl Plane {
         (self.normal.dot(direction), self.error(direction.abs()))
     }
 
-    /// [`Plane::distance`] in double-double arithmetic; `corners` are the plane's.
-    pub(crate) fn distance_in_double_double(&self, corners: [Vec3; 3], point: Vec3) -> (f64, f64) {
-        let Determinant { value, error } = plane_distance(point, corners);
-        (value * self.turn, error)
+    /// [`Plane::distance`] of three points in double-double arithmetic; `corners` are the plane's.
+    pub(crate) fn distances_in_double_double(
+        &self,
+        corners: [Vec3; 3],
+        points: [Vec3; 3],
+    ) -> [(f64, f64); 3] {
+        plane_distances(points, corners)
+            .map(|Determinant { value, error }| (value * self.turn, error))
     }
 
     /// Distances from [`exact::distances_from_plane`], as [`Plane::distance`] gives them.

@@ -256,7 +256,7 @@ impl PreparedRay {
                 return verdict;
             }
         }
-        self.intersect_in_double_double(primitive, corners)
+        self.intersect_in_double_double(primitive, corners, from_eye)
     }
 
     /// Intersects in double precision with componentwise bounds.
@@ -284,12 +284,14 @@ impl PreparedRay {
     }
 
     /// Intersects in double-double arithmetic.
-    fn intersect_in_double_double(&self, primitive: u32, corners: [Vec3; 3]) -> Verdict {
-        let Ray {
-            origin, direction, ..
-        } = self.ray;
-        let determinants =
-            Determinants::in_double_double(origin, direction, corners, self.tree_origin);
+    fn intersect_in_double_double(
+        &self,
+        primitive: u32,
+        corners: [Vec3; 3],
+        from_eye: &EyeTriangle,
+    ) -> Verdict {
+        let shared = from_eye.wide_determinants(self.ray.origin, &self.placed(corners));
+        let determinants = shared.and_then(|shared| shared.of(self.ray.direction));
         self.intersect_by_determinants(primitive, determinants)
     }
 
@@ -746,7 +748,7 @@ mod tests {
                         &mut decided_from_eye,
                     ),
                     (
-                        prepared.intersect_in_double_double(0, corners),
+                        prepared.intersect_in_double_double(0, corners, &EyeTriangle::default()),
                         &mut widely_decided,
                     ),
                 ];

@@ -61,8 +61,11 @@ impl PreparedRay {
         if let Some(order) = self.compare_by_exact_planes(placed) {
             return order;
         }
-        let more =
-            [first, second].map(|(primitive, at)| self.intersect_in_double_double(primitive, at));
+        let more = [first, second].map(|(primitive, at)| {
+            self.with_shared(primitive, |from_eye| {
+                self.intersect_in_double_double(primitive, at, from_eye)
+            })
+        });
         if let Some(order) = order_of(more) {
             return order;
         }
