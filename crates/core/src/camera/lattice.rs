@@ -21,12 +21,20 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The place of a ray in the full picture, in pixels.
+    /// The place of a ray in the full picture, in pixels. Of a ray so far beyond the lattice that its pixel leaves 32
+    /// bits, any.
     pub fn place(&self, column: u32, row: u32) -> (f64, f64) {
         (
-            f64::from(self.x + column * self.stride) + self.offset.0,
-            f64::from(self.y + row * self.stride) + self.offset.1,
+            self.pixel(self.x, column) + self.offset.0,
+            self.pixel(self.y, row) + self.offset.1,
         )
+    }
+
+    /// The pixel of a column or row. Rows are filled up to eight rays, and with a great stride those left out may lie
+    /// beyond 32 bits.
+    #[inline(always)]
+    fn pixel(&self, first: u32, count: u32) -> f64 {
+        f64::from(first.wrapping_add(count.wrapping_mul(self.stride)))
     }
 
     /// A ray of the lattice: the camera's ray at that place; in a picture for two eyes, of the eye that the pixel
@@ -34,8 +42,7 @@ impl Lattice {
     pub fn ray(&self, column: u32, row: u32) -> Ray {
         let (x, y) = self.place(column, row);
         if self.camera.stereo().is_some() {
-            let pixel = |first: u32, count: u32| f64::from(first + count * self.stride);
-            let (x_of_pixel, y_of_pixel) = (pixel(self.x, column), pixel(self.y, row));
+            let (x_of_pixel, y_of_pixel) = (self.pixel(self.x, column), self.pixel(self.y, row));
             return self.camera.of_half(x_of_pixel, y_of_pixel).ray(x, y);
         }
         self.camera.ray(x, y)

@@ -250,7 +250,7 @@ pub(super) fn corners_in_lane(
 }
 
 impl PacketSpace {
-    /// Sets up those of eight triangles that `which` asks for, from products in double precision. Returns, as bits,
+    /// Sets up those of eight triangles that `which` selects, from products in double precision. Returns, as bits,
     /// those for which these do not suffice.
     ///
     /// The space and the set-up are copied, and what is true of any lane is collected afterwards: the compiler turns the
