@@ -21,8 +21,8 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The place of a ray in the full picture, in pixels. Of a ray so far beyond the lattice that its pixel leaves 32
-    /// bits, any.
+    /// The place of a ray in the full picture, in pixels. Meaningless for a ray so far beyond the lattice that
+    /// its pixel does not fit 32 bits.
     pub fn place(&self, column: u32, row: u32) -> (f64, f64) {
         (
             self.pixel(self.x, column) + self.offset.0,
@@ -30,8 +30,8 @@ impl Lattice {
         )
     }
 
-    /// The pixel of a column or row. Rows are filled up to eight rays, and with a great stride those left out may lie
-    /// beyond 32 bits.
+    /// The pixel of a column or row. Rows are filled up to a multiple of eight rays; with a great stride, columns
+    /// that fill them do not fit 32 bits.
     #[inline(always)]
     fn pixel(&self, first: u32, count: u32) -> f64 {
         f64::from(first.wrapping_add(count.wrapping_mul(self.stride)))

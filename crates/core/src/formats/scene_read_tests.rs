@@ -219,7 +219,7 @@ fn a_scalar_that_blends_is_one_of_the_meshes() {
     );
 }
 
-/// Images are decoded together, and the first fault in the file is told.
+/// Images are decoded together, and the first fault in the file is reported.
 #[test]
 fn each_object_has_its_own_of_several_images() {
     let table = |texture: &str| format!("[[object]]\nmesh = \"b.txt\"\ntexture = \"{texture}\"\n");

@@ -271,7 +271,7 @@ impl PacketSpace {
         (alone.into_iter().enumerate()).fold(0, |bits, (l, is)| bits | u32::from(is) << l)
     }
 
-    /// Stores a triangle's functions as those of lane `l`, if it is asked for. If no ray hits the triangle its ray
+    /// Stores a triangle's functions as those of lane `l`, if it is selected. If no ray hits the triangle its ray
     /// bounds are emptied. Returns whether its depth key alone overflows single precision.
     #[inline(always)]
     fn store(
@@ -427,7 +427,7 @@ impl PacketSpace {
 
     /// A triangle's functions, from closer factors where double precision does not suffice. `None` where a number is
     /// out of [`NUMBER_RANGE`], or `misses` says of the denominator and an edge function that nothing more is needed;
-    /// it is asked where the denominator is clear.
+    /// it is called where the denominator is clear.
     #[inline(always)]
     fn functions_closely(
         &self,

@@ -23,16 +23,16 @@ impl WideFactor {
     }
 
     /// From a corner to another.
-    fn way([from, to]: [Vec3; 2]) -> Self {
+    fn edge([from, to]: [Vec3; 2]) -> Self {
         let difference = |axis| DoubleDouble::difference(to[axis].into(), from[axis].into());
         Self::of([0, 1, 2].map(difference))
     }
 }
 
-/// A triangle's corners A, B and C relative to an eye, and the ways from A to B, B to C and C to A.
+/// A triangle's corners A, B and C relative to an eye, and the edges from A to B, B to C and C to A.
 struct EyeFactors {
     corners: [WideFactor; 3],
-    ways: [WideFactor; 3],
+    edges: [WideFactor; 3],
 }
 
 impl EyeFactors {
@@ -45,13 +45,13 @@ impl EyeFactors {
             WideFactor::of(place)
         };
         let [a, b, c] = corners;
-        let way = WideFactor::way;
+        let edge = WideFactor::edge;
         // Without `map`, whose loop of such large items is not inlined.
         let factors = Self {
             corners: [relative(a), relative(b), relative(c)],
-            ways: [way([a, b]), way([b, c]), way([c, a])],
+            edges: [edge([a, b]), edge([b, c]), edge([c, a])],
         };
-        let mut all = factors.corners.iter().chain(&factors.ways);
+        let mut all = factors.corners.iter().chain(&factors.edges);
         let in_range = all.all(|factor| factor.size.in_range().all());
         in_range.then_some(factors)
     }
@@ -77,11 +77,11 @@ impl WideCross {
         }
     }
 
-    /// A×C of two corners relative to an eye; `way` leads from A to C. A×u and C×u are the same, with u = C − A: the one
+    /// A×C of two corners relative to an eye; `edge` is that from A to C. A×u and C×u are the same, with u = C − A: the one
     /// with the least terms is computed, so that triangles that are tiny compared with their distance are decided as
     /// well.
-    fn of_corners(a: &WideFactor, c: &WideFactor, way: &WideFactor) -> Self {
-        let pairs = [(a, c), (a, way), (c, way)];
+    fn of_corners(a: &WideFactor, c: &WideFactor, edge: &WideFactor) -> Self {
+        let pairs = [(a, c), (a, edge), (c, edge)];
         let sums = pairs.map(|(b, c)| terms(b, c).element_sum());
         let mut best = 0;
         for other in 1..3 {
@@ -130,7 +130,7 @@ impl WideDeterminants {
     pub(super) fn new(eye: DVec3, triangle: &OffsetTriangle) -> Option<Self> {
         let EyeFactors {
             corners: [a, b, c],
-            ways: [ab, bc, ca],
+            edges: [ab, bc, ca],
         } = EyeFactors::new(eye, triangle.origin, triangle.corners)?;
         let crosses = [
             WideCross::of_corners(&b, &c, &bc),
@@ -160,7 +160,7 @@ impl WideDeterminants {
 ///
 /// Differences of corners are exact, so that the bound of [`WideDeterminants`] holds.
 pub(super) fn plane_distances([p, q, r]: [Vec3; 3], [a, b, c]: [Vec3; 3]) -> [Determinant; 3] {
-    let from_a = |to| WideFactor::way([a, to]);
+    let from_a = |to| WideFactor::edge([a, to]);
     let normal = WideCross::new(&from_a(b), &from_a(c));
     [
         normal.times(&from_a(p)),
@@ -180,7 +180,7 @@ pub(super) fn eye_distance(
     tree_origin: DVec3,
     corners: [Vec3; 3],
 ) -> Option<Determinant> {
-    let EyeFactors { corners, ways } = EyeFactors::new(eye, tree_origin, corners)?;
+    let EyeFactors { corners, edges } = EyeFactors::new(eye, tree_origin, corners)?;
     let far = |corner: usize| corners[corner].size.size.max_element();
     let mut first = 0;
     for corner in 1..3 {
@@ -188,8 +188,8 @@ pub(super) fn eye_distance(
             first = corner;
         }
     }
-    // (B−A)×(C−A) is (A−C)×(B−A): the way to the corner times the way from it.
-    let normal = WideCross::new(&ways[(first + 2) % 3], &ways[first]);
+    // (B−A)×(C−A) is (A−C)×(B−A): the edge to the corner times the edge from it.
+    let normal = WideCross::new(&edges[(first + 2) % 3], &edges[first]);
     Some(normal.times(&corners[first]))
 }
 
@@ -200,9 +200,9 @@ pub(super) fn cross_from(eye: DVec3, corners: [Vec3; 2]) -> Option<DVec3> {
         let difference = |axis| DoubleDouble::difference(corner[axis].into(), eye[axis]);
         WideFactor::of([0, 1, 2].map(difference))
     };
-    let ([a, c], way) = (corners.map(relative), WideFactor::way(corners));
-    let in_range = [&a, &c, &way].map(|factor| factor.size.in_range().all());
-    let (value, off) = WideCross::of_corners(&a, &c, &way).rounded();
+    let ([a, c], edge) = (corners.map(relative), WideFactor::edge(corners));
+    let in_range = [&a, &c, &edge].map(|factor| factor.size.in_range().all());
+    let (value, off) = WideCross::of_corners(&a, &c, &edge).rounded();
     // NaN fails this comparison.
     let is_close = off.cmple(value.abs() * EPSILON).all();
     (is_close && !in_range.contains(&false)).then_some(value)

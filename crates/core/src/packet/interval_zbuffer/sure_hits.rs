@@ -154,7 +154,7 @@ impl IntervalZBuffer {
     }
 
     /// Whether a triangle is surely nearer than the closest hits so far of all rays of a cell, by the planes of each two. For
-    /// triangles that [`Self::is_behind_sure_hits`] has just been asked about: it lists the hits.
+    /// triangles that [`Self::is_behind_sure_hits`] has just been called for: it lists the hits.
     #[inline(never)]
     pub(super) fn is_before_sure_hits(
         &mut self,
