@@ -1,9 +1,10 @@
 //! The rivals of undecided rays: the triangles of which one is the ray's closest hit, if anything is. A single ray
 //! tests these alone, and does not traverse the tree.
 //!
-//! A triangle that is surely further than one that the ray surely hits is no rival. So one sure hit of each undecided
-//! ray is kept: without it every later triangle would be a rival of a ray once it is undecided, and thousands are where
-//! triangles of one plane overlap.
+//! A triangle that is surely further than one that the ray surely hits is no rival. So the nearest sure hit of each
+//! undecided ray is known: without it every later triangle would be a rival of a ray once it is undecided, and thousands
+//! are where triangles of one plane overlap. A nearer one takes its place among the rivals: else a ray whose hits are
+//! found from far to near would have all of them as rivals.
 
 use super::params::SIDE;
 use crate::hit::MISS;
@@ -35,8 +36,9 @@ struct OfRay {
     /// Where the first and the last rival are; [`MISS`] without any.
     first: u32,
     last: u32,
-    /// A triangle that the ray surely hits, or [`MISS`].
+    /// A rival that the ray surely hits, or [`MISS`], and where it is.
     sure_hit: u32,
+    sure_hit_at: u32,
 }
 
 impl OfRay {
@@ -44,6 +46,7 @@ impl OfRay {
         first: MISS,
         last: MISS,
         sure_hit: MISS,
+        sure_hit_at: MISS,
     };
 }
 
@@ -78,20 +81,25 @@ impl Rivals {
         if self.rays.is_empty() {
             self.rays.resize(SIDE * SIDE, OfRay::NONE);
         }
-        self.rays[ray] = OfRay {
-            sure_hit: before.unwrap_or(MISS),
-            ..OfRay::NONE
-        };
+        self.rays[ray] = OfRay::NONE;
         if let Some(before) = before {
-            self.push(ray, before);
+            self.push_sure_hit(ray, before);
         }
     }
 
-    /// Keeps, as the sure hit of an undecided ray, one of its rivals.
-    pub(super) fn set_sure_hit(&mut self, ray: usize, primitive: u32) {
-        if let Some(of_ray) = self.rays.get_mut(ray) {
-            of_ray.sure_hit = primitive;
+    /// Records a sure hit of an undecided ray that is surely nearer than the one that was known, if any: that is no rival
+    /// any more.
+    pub(super) fn push_sure_hit(&mut self, ray: usize, primitive: u32) {
+        let known = self.rays[ray].sure_hit_at as usize;
+        match self.found.get_mut(known) {
+            Some(known) => known.primitive = primitive,
+            None => self.push(ray, primitive),
         }
+        let of_ray = &mut self.rays[ray];
+        if of_ray.sure_hit_at == MISS {
+            of_ray.sure_hit_at = of_ray.last;
+        }
+        of_ray.sure_hit = primitive;
     }
 
     /// The sure hit of an undecided ray, if one is known.
@@ -134,10 +142,32 @@ mod tests {
         rivals.push(4, 9);
         assert_eq!((rivals.sure_hit(3), rivals.sure_hit(4)), (Some(8), None));
         assert_eq!(of(&rivals, 3), Some(vec![8]));
-        rivals.set_sure_hit(4, 9);
-        assert_eq!(rivals.sure_hit(4), Some(9));
+        rivals.push_sure_hit(4, 7);
+        assert_eq!(rivals.sure_hit(4), Some(7));
+        assert_eq!(of(&rivals, 4), Some(vec![9, 7]));
         rivals.begin(4, None);
         assert_eq!((rivals.sure_hit(4), of(&rivals, 4)), (None, Some(vec![])));
+    }
+
+    #[test]
+    fn a_nearer_sure_hit_takes_the_place_of_the_one_before() {
+        let mut rivals = Rivals::default();
+        rivals.begin(3, Some(8));
+        rivals.push(3, 9);
+        rivals.begin(4, None);
+        rivals.push(4, 9);
+        for primitive in [1, 2] {
+            rivals.push_sure_hit(3, primitive);
+            rivals.push_sure_hit(4, primitive);
+            rivals.push(3, 7);
+            assert_eq!(rivals.sure_hit(3), Some(primitive));
+            assert_eq!(of(&rivals, 3), Some(vec![primitive, 9, 7]));
+            assert_eq!(of(&rivals, 4), Some(vec![9, primitive]));
+        }
+        rivals.begin(4, None);
+        rivals.push(4, 5);
+        rivals.push_sure_hit(4, 5);
+        assert_eq!(of(&rivals, 4), Some(vec![5]));
     }
 
     /// The rays' lists lie among one another.

@@ -476,11 +476,11 @@ impl IntervalZBuffer {
             for_each_bit(u64::from(wins & !was_undecided), |lane| {
                 self.primitives[first + lane] = primitive;
             });
-            for_each_bit(u64::from(same & (was_undecided | !wins)), |lane| {
+            for_each_bit(u64::from(same & !wins), |lane| {
                 self.leave_ray_undecided(first + lane, primitive);
             });
             for_each_bit(u64::from(wins & was_undecided), |lane| {
-                self.rivals.set_sure_hit(first + lane, primitive);
+                self.rivals.push_sure_hit(first + lane, primitive);
             });
         }
     }

@@ -198,9 +198,9 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     let mut expected = vec![first, second];
     assert!(IntervalZBuffer::is_undecided(zbuffer.row(0)[5]));
     assert_eq!(rivals(&zbuffer), expected);
-    // One before both is a rival, and from then on the sure hit.
+    // One before both is the sure hit from then on; the one before it is no rival any more.
     merge(&mut zbuffer, fourth, 1.0);
-    expected.push(fourth);
+    expected[1] = fourth;
     assert_eq!(rivals(&zbuffer), expected);
     merge(&mut zbuffer, by_id[4], 1.0);
     assert_eq!(rivals(&zbuffer), expected);
