@@ -21,7 +21,7 @@
 //!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of
 //!   the same. Each component of B is the greatest sum of the magnitudes of the terms that a direction's component is
 //!   the sum of (`Camera::greatest_direction`). By component, a ray's direction is off by 6εB, d by 5εB, and i·a + j·b by
-//!   εB. With R ≤ B, 20εB·|m| is taken: it has room for a step's ninth rounding, as the origin's error of 16ε·2R has for
+//!   εB. With R ≤ B, 20εB·|m| is taken: it has room for a step's ninth rounding, as the origin's error of 32εR has for
 //!   orthographic packets.
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
 //!   roundings are used, and by η times the vector. P₀·n is taken at the corner where that is least; where it is not

@@ -61,6 +61,7 @@ use crate::num::simd::LANES;
 use crate::triangle::CornerLanes;
 use glam::Vec3;
 pub(crate) use space::PacketSpace;
+pub(super) use space::origin_error;
 
 /// Relative error of a linear function of the place evaluated in single precision, in units of the sum of its
 /// terms' greatest magnitudes, M = |f₀| + |f_x|·w + |f_y|·h.

@@ -22,12 +22,11 @@ use super::places::TANGENT_ERROR;
 use super::ray_bounds::{CornerProjector, ProjectedTriangles};
 use super::ray_box::RayBox;
 use super::ray_rect::RayRect;
-use super::setup::PacketSpace;
+use super::setup::{PacketSpace, origin_error};
 use crate::bvh::Accel;
 use crate::bvh::tree::{Box32, BoxPair, Subtree};
 use crate::camera::{Camera, ImagePlane, Lattice, Projection};
 use crate::hit::{Cull, Precision};
-use crate::num::roundoff::EPSILON;
 use crate::num::simd::{LANES, Lanes};
 use crate::ray::relative_origin;
 use crate::triangle::clip::{Clip, Kept};
@@ -593,8 +592,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
 }
 
 /// Bound on how far a camera's parallel rays start from their places on the image plane, zero for others; `eye` is the
-/// camera's, relative to the tree's origin. Places are rounded, and origins in world space: 16ε of these magnitudes, as
-/// [`PacketSpace`] derives.
+/// camera's, relative to the tree's origin.
 fn start_error(camera: &Camera, eye: DVec3) -> f64 {
     if camera.projection() != Projection::Orthographic {
         return 0.0;
@@ -603,6 +601,7 @@ fn start_error(camera: &Camera, eye: DVec3) -> f64 {
     let (left, top) = camera.across_and_along(0.0, 0.0);
     let (right, bottom) = camera.across_and_along(columns.into(), rows.into());
     let reach = left.abs().max(right.abs()) + top.abs().max(bottom.abs());
-    let world = camera.pose().eye.abs().max_element() + eye.abs().max_element() + 3.0 * reach;
-    16.0 * EPSILON * world
+    let sizes = [camera.pose().eye, eye].map(|point| point.abs().max_element());
+    // A picture is at most twice as wide as it reaches from the view axis.
+    origin_error(sizes, 3.0 * reach)
 }

@@ -104,6 +104,16 @@ impl Packet {
     }
 }
 
+/// Bound on how far an orthographic ray's origin is from its place, but for the eye's error. `sizes` are the greatest
+/// coordinates of the eye in world space, to which the place is added, and of the point that places are relative to;
+/// `reach` is the sum of those of the place on the image plane and in the picture. Each of the two sums is rounded once;
+/// a place in the picture, its offset from the view axis, and products and sum with the axes round twelve times by no
+/// more than `reach`, in the ray and again in the packet.
+pub(in crate::packet) fn origin_error(sizes: [f64; 2], reach: f64) -> f64 {
+    let [eye, point] = sizes;
+    EPSILON * (1.01 * (eye + point) + 32.0 * reach)
+}
+
 impl PacketSpace {
     /// The packet whose first ray goes through (x, y) of the picture, with rays `stride` pixels apart. `eye` is the
     /// camera's, relative to the point that corners are relative to, and off by at most `eye_error`.
@@ -140,11 +150,9 @@ impl PacketSpace {
             }
             Projection::Orthographic | Projection::Panoramic(_) => {
                 let origin = eye + camera.on_plane(x, y);
-                // Each ray's own origin is rounded in world space, and its place on the plane is rounded before that.
-                let world = camera.pose().eye.abs().max_element()
-                    + origin.abs().max_element()
-                    + 2.0 * reach;
-                let origin_error = eye_error + 16.0 * EPSILON * world;
+                let places = (x.abs() + y.abs()) * camera.plane().step;
+                let sizes = [camera.pose().eye, origin].map(|point| point.abs().max_element());
+                let origin_error = eye_error + origin_error(sizes, reach + places);
                 Self {
                     perspective: false,
                     stretch_and_reach: 1.0 / step,
