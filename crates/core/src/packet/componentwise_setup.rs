@@ -42,8 +42,7 @@
 //! Numbers that are zero or within 2^±200 keep products of four in double precision's range.
 
 use super::setup::{
-    FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, REACH, TriangleSetup,
-    is_negative,
+    Edges, FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, TriangleSetup, is_negative,
 };
 use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
@@ -136,24 +135,24 @@ fn better(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 
 /// Whether a number exceeds its bound by so much that its sign is sure and its reciprocal is off by a third at most.
 #[inline(always)]
-fn is_clear((value, error): (f64, f64)) -> bool {
+pub(super) fn is_clear((value, error): (f64, f64)) -> bool {
     value.abs() > 4.0 * error
 }
 
 /// What the functions of a triangle are computed from.
-struct Factors {
+pub(super) struct Factors {
     /// Corners relative to the eye.
     relative: [DVec3; 3],
     normal: Bounded,
     /// For each edge its corners P and Q relative to the eye, and u = Q − P.
     edges: [(DVec3, DVec3, DVec3); 3],
     /// Whether all numbers are zero or within [`NUMBER_RANGE`].
-    in_range: bool,
+    pub(super) in_range: bool,
 }
 
 impl Factors {
     #[inline(always)]
-    fn new([a, b, c]: [DVec3; 3], origin: DVec3) -> Self {
+    pub(super) fn new([a, b, c]: [DVec3; 3], origin: DVec3) -> Self {
         let (p, q, r) = (a - origin, b - origin, c - origin);
         let (ab, bc, ca) = (b - a, c - b, a - c);
         let in_range = is_in_range(p)
@@ -185,13 +184,13 @@ fn is_number_in_range(x: f64) -> bool {
 }
 
 /// The functions of one triangle over the whole packet.
-struct Functions {
+pub(super) struct Functions {
     /// The numerator of the depth key, and the bound on its error.
     numerator: (Linear, f64),
     /// Its denominator without D, which is negative where the front faces the eye, and the bound on its error.
-    facing: (f64, f64),
+    pub(super) facing: (f64, f64),
     /// Edge functions, not yet positive inside, and the bounds on their errors.
-    edges: [(Linear, f64); 3],
+    pub(super) edges: [(Linear, f64); 3],
     /// Whether products in double precision do not suffice, or did not: of edges alone in [`PacketSpace::functions`].
     are_rounded: bool,
 }
@@ -274,30 +273,39 @@ impl PacketSpace {
     /// Stores a triangle's functions as those of lane `l`, if it is selected. If no ray hits the triangle its ray
     /// bounds are emptied. Returns whether its depth key alone overflows single precision.
     #[inline(always)]
-    fn store(
-        &self,
-        functions: &Functions,
-        (l, is_asked): (usize, bool),
-        out: &mut TriangleSetup,
-    ) -> bool {
+    fn store(&self, functions: &Functions, lane: (usize, bool), out: &mut TriangleSetup) -> bool {
         let (facing, facing_error) = functions.facing;
-        let clear = is_clear(functions.facing);
-        let mut culled = (self.cull == Cull::Back) & (facing > 0.0);
-        let span = FunctionDomain::of(&out.boxes[l]);
-        let sign = if facing < 0.0 { -1.0 } else { 1.0 };
-        let (is_sound, is_missed) = out.store_edges(&functions.edges, sign, (l, is_asked), &span);
-        culled |= is_missed;
-
+        let span = FunctionDomain::of(&out.boxes[lane.0]);
         let inverse = self.key_factor / (facing * self.rays.distance * self.units);
         let (numerator, numerator_error) = functions.numerator;
         let key = numerator.times(inverse).moved(&span);
         let greatest = key.size(&span);
         let key = key.less(self.reference.moved(&span));
-        let spread = key.size(&span);
-        let key_error = spread * LINEAR_ERROR
-            + self.reference_error
+        let error = self.reference_error
             + 2.0 * greatest * (facing_error / facing.abs())
             + 2.0 * numerator_error * inverse.abs();
+        self.store_with_key(functions, (key, error), &span, lane, out)
+    }
+
+    /// [`Self::store`] with a depth key relative to the packet's reference and to the span's first ray, whose error is
+    /// bounded but for its roundings in single precision.
+    #[inline(always)]
+    pub(super) fn store_with_key(
+        &self,
+        functions: &Functions,
+        (key, error): (Linear, f64),
+        span: &FunctionDomain,
+        (l, is_asked): (usize, bool),
+        out: &mut TriangleSetup,
+    ) -> bool {
+        let facing = functions.facing.0;
+        let clear = is_clear(functions.facing);
+        let mut culled = (self.cull == Cull::Back) & (facing > 0.0);
+        let sign = if facing < 0.0 { -1.0 } else { 1.0 };
+        let (is_sound, is_missed) = out.store_edges(&functions.edges, sign, (l, is_asked), span);
+        culled |= is_missed;
+        let spread = key.size(span);
+        let key_error = spread * LINEAR_ERROR + error;
         for (out, term) in out.depth_key.iter_mut().zip([key.constant, key.x, key.y]) {
             out[l] = if is_asked { term as f32 } else { out[l] };
         }
@@ -311,6 +319,7 @@ impl PacketSpace {
         } else {
             out.ill_conditioned[l]
         };
+        out.is_rough[l] &= !is_asked;
         culled &= clear & is_asked;
         out.boxes[l].right = if culled { -1 } else { out.boxes[l].right };
         is_asked & !culled & clear & is_sound & !is_in_range
@@ -337,19 +346,13 @@ impl PacketSpace {
         functions.are_rounded
     }
 
-    /// A triangle's functions with componentwise bounds. `None` where it is not sure which side of the triangle the
+    /// A triangle's edge functions with componentwise bounds. `None` where it is not sure which side of the triangle the
     /// packet sees.
-    pub(super) fn functions_componentwise(&self, corners: [Vec3; 3]) -> Option<PacketFunctions> {
+    pub(super) fn edges_componentwise(&self, corners: [Vec3; 3]) -> Option<Edges> {
         let Functions { facing, edges, .. } =
             self.functions_closely(corners.map(Vec3::as_dvec3), |_, _| false)?;
-        let [e, f, g] = edges;
-        let positive =
-            |(function, error): (Linear, f64)| (function.times(facing.0.signum()), error);
-        let depth = self.rays.distance * self.units;
-        is_clear(facing).then(|| PacketFunctions {
-            edges: [positive(e), positive(f), positive(g)],
-            facing: (facing.0 * depth, facing.1 * depth),
-        })
+        let sign = facing.0.signum();
+        is_clear(facing).then(|| edges.map(|(function, error)| (function.times(sign), error)))
     }
 
     /// Upper bounds of the components of i·a + j·b.
@@ -361,7 +364,7 @@ impl PacketSpace {
 
     /// A triangle's functions, from products in double precision.
     #[inline(always)]
-    fn functions(&self, factors: &Factors) -> Functions {
+    pub(super) fn functions(&self, factors: &Factors) -> Functions {
         let [e, f, g] = factors.edges;
         let [(e, is_e_rounded), (f, is_f_rounded), (g, is_g_rounded)] =
             [self.edge(e), self.edge(f), self.edge(g)];
@@ -420,7 +423,7 @@ impl PacketSpace {
 
     /// Whether closer factors would make the functions more accurate where it matters.
     #[inline(always)]
-    fn are_rounded(&self, functions: &Functions) -> bool {
+    pub(super) fn are_rounded(&self, functions: &Functions) -> bool {
         let edges = functions.are_rounded & (self.origin_error == 0.0);
         self.perspective & (edges | !is_clear(functions.facing))
     }
@@ -429,7 +432,7 @@ impl PacketSpace {
     /// out of [`NUMBER_RANGE`], or `misses` says of the denominator and an edge function that nothing more is needed;
     /// it is called where the denominator is clear.
     #[inline(always)]
-    fn functions_closely(
+    pub(super) fn functions_closely(
         &self,
         corners: [DVec3; 3],
         mut misses: impl FnMut(f64, &(Linear, f64)) -> bool,

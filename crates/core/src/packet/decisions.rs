@@ -2,7 +2,7 @@
 
 use super::params::ROW;
 use super::plane_along_rays::PlaneAlongRays;
-use super::plane_keys::PlaneKeys;
+use super::plane_keys::{PlaneKeys, SideOfPlane};
 use super::plane_order::{PlaneOrder, PlaneOrders};
 use super::ray_rect::RayRect;
 use super::ray_starts::RayStarts;
@@ -130,13 +130,21 @@ impl<'a> Decisions<'a> {
         self.plane_keys.as_ref().map(|keys| keys.primitive())
     }
 
-    /// An upper bound of a triangle's depth keys relative to the packet's reference plane, from the distances of its
-    /// corners; infinite where they say nothing.
-    pub(super) fn nearest_key(&mut self, primitive: u32) -> f32 {
-        match &mut self.plane_keys {
-            Some(keys) => keys.nearest_key(primitive, self.accel.corners(primitive)),
-            None => f32::INFINITY,
+    /// Where a triangle lies relative to the packet's reference plane.
+    pub(super) fn side_of_reference(&mut self, primitive: u32) -> SideOfPlane {
+        let Some(keys) = &mut self.plane_keys else {
+            return SideOfPlane::Neither;
+        };
+        let side = keys.side_of(primitive, self.accel.corners(primitive));
+        if side == SideOfPlane::Within {
+            self.coplanar.join(keys.primitive(), primitive);
         }
+        side
+    }
+
+    /// Whether two triangles are known to lie in one plane, and rays that hit both hit the first one first.
+    pub(super) fn is_first_in_plane(&self, first: u32, second: u32) -> bool {
+        self.coplanar.are_known(first, second) && self.accel.id(first) < self.accel.id(second)
     }
 
     /// Sets up those of eight triangles again whose depth keys are inaccurate, where keys are relative to a plane.
@@ -147,7 +155,7 @@ impl<'a> Decisions<'a> {
         set_up: &mut TriangleSetup,
     ) {
         if let Some(keys) = &mut self.plane_keys {
-            let in_plane = keys.refine(space, triangles, set_up);
+            let in_plane = keys.refine((space, self.accel.simd), triangles, set_up);
             for (l, &primitive) in triangles.1.iter().enumerate() {
                 if in_plane >> l & 1 != 0 {
                     self.coplanar.join(keys.primitive(), primitive);

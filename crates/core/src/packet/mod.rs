@@ -84,6 +84,7 @@ mod params;
 mod place_box;
 mod places;
 mod plane_along_rays;
+mod plane_key_setup;
 mod plane_keys;
 mod plane_order;
 mod ray_bounds;

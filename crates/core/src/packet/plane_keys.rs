@@ -29,27 +29,32 @@
 //!
 //! What h, N·d and κ are off by is taken from their own bounds, which other tests hold to; no test here shows it.
 
-use super::plane_order::{are_accurate, turned, unless_shared, weighted_sum};
-use super::setup::{
-    FunctionDomain, LINEAR_ERROR, Linear, PacketFunctions, PacketSpace, TriangleSetup,
-};
+use super::componentwise_setup::corners_in_lane;
+use super::plane_key_setup::{CornerDistances, DistanceLanes, PlaneKeySetup};
+use super::plane_order::{are_accurate, turned, unless_shared};
+use super::setup::{FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, TriangleSetup};
 use crate::num::roundoff::EPSILON;
-use crate::num::simd::LANES;
+use crate::num::simd::{LANES, Simd, dispatch};
 use crate::triangle::CornerLanes;
 use crate::triangle::coplanar::share_plane_of_axis;
 use crate::triangle::exact::distances_from_plane;
 use crate::triangle::plane::Plane;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Exact distances in the cache, 32 bytes each, allocated when the first is computed. A lattice's packets compute those
 /// of the layers that they share once. With fewer, layers that all packets show are computed for each.
 const CACHED: usize = 1 << 15;
 
+/// Distances in the cache of those computed last: twice as many as triangles wait for set-up at once. With fewer, they
+/// are computed twice; with more, the cache pushes the packet out.
+const RECENT: usize = 2 * LANES;
+
 /// The error of a key, as a share of what single precision rounds it by, from which on it is computed from distances.
 /// With a lesser limit keys are computed again for nothing; with a greater one fewer layers are distinguished.
 const INACCURATE: f64 = 1.5;
 
-/// The greatest error of h and of P₀·n, as a share of them. The bound of the quotient is derived from it.
+/// The greatest error of h, as a share of it. The bound of the quotient is derived from it, and from
+/// [`is_clear`](super::componentwise_setup::is_clear) for P₀·n.
 const MOST_SHARE: f64 = 0.25;
 
 /// The plane that a packet's depth keys are relative to. Of no use before [`PlaneKeys::set`].
@@ -66,6 +71,9 @@ pub(super) struct PlaneKeys {
     /// Exact distances of triangles' corners from the plane, by the low bits of the primitive index, with the indices
     /// of both.
     exact: Vec<([u32; 2], [f64; 3])>,
+    /// The distances that were computed last, by the low bits of the primitive index: those of triangles that wait for
+    /// set-up.
+    recent: [Option<(u32, CornerDistances)>; RECENT],
 }
 
 /// Upper bounds of the relative keys of what lies behind the reference plane.
@@ -76,6 +84,17 @@ enum KeyBehind {
     Perspective { least: f64, eye: f64 },
     /// −s·f.
     Orthographic { factor: f64 },
+}
+
+/// Where a triangle lies relative to the reference plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum SideOfPlane {
+    /// All of it is behind the plane, with an upper bound of its relative depth keys.
+    Behind(f32),
+    /// In the plane.
+    Within,
+    /// Not surely either.
+    Neither,
 }
 
 impl Default for KeyBehind {
@@ -96,6 +115,9 @@ impl KeyBehind {
     }
 }
 
+/// The distances of the corners of a triangle in the plane.
+const IN_PLANE: CornerDistances = [(0.0, 0.0); 3];
+
 /// Entries of the cache that hold nothing.
 const NOTHING: ([u32; 2], [f64; 3]) = ([u32::MAX; 2], [0.0; 3]);
 
@@ -108,6 +130,7 @@ impl PlaneKeys {
     /// Begins a packet whose depth keys are relative to the plane of a triangle.
     pub(super) fn set(&mut self, space: &PacketSpace, primitive: u32, corners: [Vec3; 3]) {
         (self.primitive, self.corners) = (primitive, corners);
+        self.recent = [None; RECENT];
         self.packet = turned(space, corners).and_then(|plane| {
             let (across, error) = match space.perspective {
                 true => plane.distance_of_eye(corners, space.origin, space.origin_error),
@@ -129,16 +152,18 @@ impl PlaneKeys {
         });
     }
 
-    /// An upper bound of a triangle's relative depth keys, by how far behind the plane its corners are; infinite where
-    /// one is not.
+    /// Where a triangle lies relative to the plane, by the distances of its corners.
     #[inline(never)]
-    pub(super) fn nearest_key(&mut self, primitive: u32, corners: [Vec3; 3]) -> f32 {
+    pub(super) fn side_of(&mut self, primitive: u32, corners: [Vec3; 3]) -> SideOfPlane {
         let distances = self.distances(primitive, corners);
+        if distances == IN_PLANE {
+            return SideOfPlane::Within;
+        }
         let least = distances.map(|(distance, error)| distance - error);
         let least = least.into_iter().fold(f64::INFINITY, f64::min);
         match least > 0.0 {
-            true => self.behind.of(least),
-            false => f32::INFINITY,
+            true => SideOfPlane::Behind(self.behind.of(least)),
+            false => SideOfPlane::Neither,
         }
     }
 
@@ -147,71 +172,61 @@ impl PlaneKeys {
     #[inline(never)]
     pub(super) fn refine(
         &mut self,
-        space: &PacketSpace,
+        (space, simd): (&PacketSpace, Simd),
         (corners, primitives): (&CornerLanes, &[u32]),
         out: &mut TriangleSetup,
     ) -> u32 {
-        let mut in_plane = 0;
-        if self.packet.is_none() {
-            return in_plane;
-        }
+        let Some((_, factor)) = self.packet else {
+            return 0;
+        };
+        let mut distances = DistanceLanes::ZERO;
+        let (mut which, mut in_plane) = (0, 0);
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             let span = FunctionDomain::of(&out.boxes[l]);
             if out.boxes[l].right < 0 || !is_inaccurate(out, l, &span) {
                 continue;
             }
-            let [ax, ay, az, bx, by, bz, cx, cy, cz] = corners;
-            let corners = [
-                Vec3::new(ax[l], ay[l], az[l]),
-                Vec3::new(bx[l], by[l], bz[l]),
-                Vec3::new(cx[l], cy[l], cz[l]),
-            ];
-            let distances = self.distances(primitive, corners);
-            let is_in_plane = distances == [(0.0, 0.0); 3];
-            in_plane |= u32::from(is_in_plane) << l;
-            let in_double = space.functions_in_double(corners);
-            let in_double = in_double.and_then(|functions| self.key(distances, functions));
-            if let Some((functions, key)) = in_double
-                && (is_in_plane || key.1 <= LINEAR_ERROR * key.0.moved(&span).size(&span))
-                && functions.are_edges_smooth(&span)
-            {
-                out.store(space, l, &functions, key);
-                continue;
+            let corners = corners_in_lane(corners, l).map(DVec3::as_vec3);
+            let of_corners = self.distances(primitive, corners);
+            if of_corners == IN_PLANE {
+                in_plane |= 1 << l;
+                if out.set_key_to_zero(l, &span) {
+                    continue;
+                }
             }
-            let closer = space.functions_componentwise(corners);
-            let closer = closer.and_then(|functions| self.key(distances, functions));
-            // NaN is not better.
-            let is_better =
-                |error: f64| out.ill_conditioned[l] || error < f64::from(out.depth_key_error[l]);
-            if let Some((functions, key)) = closer.or(in_double).filter(|it| is_better(it.1.1)) {
-                out.store(space, l, &functions, key);
-            }
+            distances.set(l, of_corners);
+            which |= 1 << l;
+        }
+        if which != 0 {
+            let work = PlaneKeySetup {
+                space,
+                corners,
+                which,
+                distances: &distances,
+                factor,
+                out,
+            };
+            dispatch(simd, work);
         }
         in_plane
     }
 
-    /// A triangle's depth key over the whole packet, with the bound on its error but for single precision's, from the
-    /// distances of its corners and its functions, which are returned too. `None` where nothing is known of it.
-    fn key(
-        &self,
-        distances: [(f64, f64); 3],
-        functions: PacketFunctions,
-    ) -> Option<(PacketFunctions, (Linear, f64))> {
-        let (_, (factor, factor_error)) = self.packet?;
-        let (sum, error) = weighted_sum(distances, &functions.edges);
-        let (facing, facing_error) = functions.facing;
-        let facing_error = facing_error / facing.abs();
-        let factor = factor / facing.abs();
-        let key = sum.times(-factor);
-        let error = 2.0 * factor * error + 2.0 * key.reach() * (factor_error + facing_error);
-        // NaN fails these comparisons.
-        let is_known = facing_error < MOST_SHARE && error < f64::INFINITY;
-        is_known.then_some((functions, (key, error)))
+    /// [`PlaneKeys::find_distances`], unless they were found just now.
+    fn distances(&mut self, primitive: u32, points: [Vec3; 3]) -> CornerDistances {
+        let recent = primitive as usize % RECENT;
+        if let Some((known, distances)) = self.recent[recent]
+            && known == primitive
+        {
+            return distances;
+        }
+        let distances = self.find_distances(primitive, points);
+        self.recent[recent] = Some((primitive, distances));
+        distances
     }
 
     /// Distances of a triangle's corners from the plane, each with its error: by as much arithmetic as
     /// distinguishes them from zero.
-    fn distances(&mut self, primitive: u32, points: [Vec3; 3]) -> [(f64, f64); 3] {
+    fn find_distances(&mut self, primitive: u32, points: [Vec3; 3]) -> CornerDistances {
         let Some((plane, _)) = self.packet else {
             return [(0.0, f64::INFINITY); 3];
         };
@@ -227,7 +242,7 @@ impl PlaneKeys {
         }
         let may_lie_in_plane = (known.iter()).all(|(distance, error)| distance.abs() <= *error);
         if may_lie_in_plane && share_plane_of_axis(self.corners, points) {
-            return [(0.0, 0.0); 3];
+            return IN_PLANE;
         }
         if !may_lie_in_plane {
             let known = plane.distances_in_double_double(self.corners, points);
@@ -261,8 +276,10 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, ImagePlane, Pose, Projection};
     use crate::hit::Cull;
+    use crate::packet::componentwise_setup::{Factors, is_clear};
     use crate::packet::depth_reference::{DepthReference, ReferencePlane};
     use crate::packet::params::SIDE;
+    use crate::packet::plane_key_setup::depth_key;
     use crate::packet::ray_box::RayBox;
     use crate::packet::setup_tests::{camera, lanes_of, space};
     use crate::random::Random;
@@ -294,6 +311,14 @@ mod tests {
         })
     }
 
+    /// An upper bound of a triangle's keys, infinite where its distances from the plane give none.
+    fn nearest_key(keys: &mut PlaneKeys, primitive: u32, corners: [Vec3; 3]) -> f32 {
+        match keys.side_of(primitive, corners) {
+            SideOfPlane::Behind(nearest) => nearest,
+            SideOfPlane::Within | SideOfPlane::Neither => f32::INFINITY,
+        }
+    }
+
     /// Keys distinguish layers that lie closer together than double precision distinguishes their depths, along an
     /// axis' plane and along tilted ones, and in the right order.
     #[test]
@@ -319,7 +344,7 @@ mod tests {
                 let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
                 // Twice: the second time exact distances are known.
                 for _ in 0..2 {
-                    keys.refine(&space, (&corners, &primitives), &mut set_up);
+                    keys.refine((&space, Simd::best()), (&corners, &primitives), &mut set_up);
                 }
                 for l in 1..LANES {
                     let pair = [l - 1, l];
@@ -392,7 +417,8 @@ mod tests {
                 let mut keys = PlaneKeys::default();
                 keys.set(&space, 0, triangles[0]);
                 let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
-                let in_plane = keys.refine(&space, (&corners, &primitives), &mut set_up);
+                let in_plane =
+                    keys.refine((&space, Simd::best()), (&corners, &primitives), &mut set_up);
                 assert_eq!(in_plane, 0b0101_0101, "{triangles:?}");
                 for l in (0..LANES)
                     .step_by(2)
@@ -424,15 +450,20 @@ mod tests {
         let (factor, nearest) = reference_key.map_or((1.0, f32::INFINITY), |reference_key| {
             let mut keys = PlaneKeys::default();
             keys.set(&space.clone().relative_to(reference_key), 0, reference);
-            (reference_key.factor(), keys.nearest_key(1, corners))
+            (reference_key.factor(), nearest_key(&mut keys, 1, corners))
         });
-        let functions = [
-            space.functions_in_double(corners),
-            space.functions_componentwise(corners),
+        let in_double = corners.map(Vec3::as_dvec3);
+        let found = [
+            Some(space.functions(&Factors::new(in_double, space.origin))),
+            space.functions_closely(in_double, |_, _| false),
         ];
-        let found = functions.into_iter().flatten();
+        let found = found.into_iter().flatten();
         let found: Vec<_> = found
-            .filter_map(|functions| keys.key(distances, functions))
+            .filter(|functions| is_clear(functions.facing))
+            .filter_map(|functions| {
+                let (_, factor) = keys.packet?;
+                Some(depth_key(&space, &functions, distances, factor))
+            })
             .collect();
         let mut hits = 0;
         for at in (0..SIDE * SIDE).step_by(step) {
@@ -458,7 +489,7 @@ mod tests {
             let roundings = 1e-14 * (of_hit.abs() + of_plane.abs());
             let relative = (of_hit - of_plane - roundings) * factor;
             assert!(relative <= nearest.into(), "{relative} {nearest}");
-            for (_, (key, error)) in &found {
+            for (key, error) in &found {
                 let value = key.constant + key.x * x + key.y * y;
                 let off = (value - (of_hit - of_plane)).abs();
                 assert!(
@@ -502,7 +533,7 @@ mod tests {
                     let share = if is_parallel { 1.0 } else { random.unit() };
                     (corner + (corner - a) * 4.0 + behind * share).as_vec3()
                 });
-                let bound = f64::from(keys.nearest_key(1, corners));
+                let bound = f64::from(nearest_key(&mut keys, 1, corners));
                 let mut most = f64::NEG_INFINITY;
                 for at in (0..SIDE * SIDE).step_by(7) {
                     let (x, y) = ((at % SIDE) as f64, (at / SIDE) as f64);
@@ -554,9 +585,9 @@ mod tests {
             keys.set(&space, 0, reference);
             let others = [(); 2].map(|()| random.point().as_vec3());
             let corners = [in_plane[0], others[0], others[1]];
-            assert_eq!(keys.nearest_key(1, corners), f32::INFINITY);
+            assert_eq!(nearest_key(&mut keys, 1, corners), f32::INFINITY);
             let beyond = in_plane.map(|corner| corner - camera.pose().eye.as_vec3() * 10.0);
-            behind += u32::from(keys.nearest_key(2, beyond) < f32::INFINITY);
+            behind += u32::from(nearest_key(&mut keys, 2, beyond) < f32::INFINITY);
         }
         assert!(behind > 2000, "{behind}");
     }

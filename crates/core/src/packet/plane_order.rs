@@ -14,14 +14,14 @@
 //! first.
 //!
 //! # Error bound
-//! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::functions_in_double`]) and at most Mₖ over the packet, F is off by
+//! ε = 2⁻⁵³. Where Eₖ is off by δ ([`PacketSpace::edges_in_double`]) and at most Mₖ over the packet, F is off by
 //! Σ(|sₖ|δ + δsₖ(Mₖ + δ)), and by 6ε of Σ|sₖ|Mₖ through its own roundings. Places of panoramas, and the centre and half the
 //! extent of cells, are in single precision: F moves by its slope times [`SINGLE_PLACE_ERROR`].
 //!
 //! Next to the eye, planes may be closer together than the errors of sₖ in double precision, although far apart
 //! compared with their distance from the eye; then the sₖ are computed in double-double arithmetic, and exactly where
 //! that does not tell them from zero. And where coordinates differ by many magnitudes, δ, proportional to the greatest,
-//! exceeds the Eₖ; then each has a componentwise bound of its own ([`PacketSpace::functions_componentwise`]).
+//! exceeds the Eₖ; then each has a componentwise bound of its own ([`PacketSpace::edges_componentwise`]).
 
 use super::params::{CELLS, ROW};
 use super::setup::{Edges, Linear, PacketSpace, REACH};
@@ -348,19 +348,13 @@ struct PairEdges<'p> {
 impl PairEdges<'_> {
     fn in_double(&mut self) -> &BoundedEdges {
         let Self { space, corners, .. } = self;
-        let edges = || {
-            let functions = space.functions_in_double(*corners[1]);
-            functions.map(|functions| functions.edges)
-        };
+        let edges = || space.edges_in_double(*corners[1]);
         self.known.in_double.get(self.second, self.packet, edges)
     }
 
     fn componentwise(&mut self) -> &BoundedEdges {
         let Self { space, corners, .. } = self;
-        let edges = || {
-            let functions = space.functions_componentwise(*corners[1]);
-            functions.map(|functions| functions.edges)
-        };
+        let edges = || space.edges_componentwise(*corners[1]);
         self.known
             .componentwise
             .get(self.second, self.packet, edges)

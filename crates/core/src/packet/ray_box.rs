@@ -1,4 +1,4 @@
-use super::params::ROW;
+use super::params::{CELLS, ROW};
 
 /// The bounds of rays in a packet: first and last column and row, both included.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,6 +14,19 @@ impl RayBox {
     #[inline(always)]
     pub(crate) fn count(self) -> i32 {
         (self.right - self.left + 1) * (self.bottom - self.top + 1)
+    }
+
+    /// The cells that it touches, as bits.
+    pub(crate) fn cells(self) -> u32 {
+        let first_to =
+            |first: i32, last: i32| (2 << (last as usize / ROW)) - (1 << (first as usize / ROW));
+        let (columns, rows): (u32, u32) = (
+            first_to(self.left, self.right),
+            first_to(self.top, self.bottom),
+        );
+        (0..CELLS).fold(0, |cells, row| {
+            cells | (rows >> row & 1) * columns << (row * CELLS)
+        })
     }
 
     /// Whether it has no more columns than a row of lanes.

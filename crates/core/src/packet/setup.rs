@@ -104,13 +104,6 @@ pub(super) fn is_negative(function: Linear, error: f64, span: &FunctionDomain) -
 /// Edge functions over a whole packet, positive inside, each with the bound on its error.
 pub(super) type Edges = [(Linear, f64); 3];
 
-/// A triangle's edge functions, and the denominator of its depth key with the bound on its error.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PacketFunctions {
-    pub(super) edges: Edges,
-    pub(super) facing: (f64, f64),
-}
-
 /// Eight triangles set up for a packet.
 ///
 /// Functions are relative to a triangle's own first ray, (`column`, `row`).
@@ -139,16 +132,6 @@ pub(crate) struct TriangleSetup {
     /// Where componentwise bounds decide more: errors of double precision exceed 1.5 times those of single precision,
     /// or edge functions are [`UNBALANCED`].
     pub(crate) is_rough: [bool; LANES],
-}
-
-impl PacketFunctions {
-    /// Whether componentwise bounds of the edge functions would gain little in a span.
-    pub(super) fn are_edges_smooth(&self, span: &FunctionDomain) -> bool {
-        let [(e, error), (f, _), (g, _)] = self.edges;
-        let [e, f, g] = [e, f, g].map(|edge| edge.moved(span).size(span));
-        let (least, magnitude) = (lesser(lesser(e, f), g), greater(greater(e, f), g));
-        are_edges_smooth(error / magnitude + LINEAR_ERROR, least, magnitude)
-    }
 }
 
 impl TriangleSetup {
@@ -207,33 +190,23 @@ impl TriangleSetup {
         (are_sound, is_missed)
     }
 
-    /// Stores a triangle's functions over the whole packet as those of lane `l`, with a depth key whose error is
-    /// bounded but for its roundings in single precision.
-    pub(super) fn store(
-        &mut self,
-        space: &PacketSpace,
-        l: usize,
-        functions: &PacketFunctions,
-        (key, error): (Linear, f64),
-    ) {
-        let span = FunctionDomain::of(&self.boxes[l]);
-        let (are_sound, is_missed) = self.store_edges(&functions.edges, 1.0, (l, true), &span);
-        let key = key.moved(&span);
-        let spread = key.size(&span);
-        let error = ((error + spread * LINEAR_ERROR) * 1.001) as f32 + f32::MIN_POSITIVE;
-        for (out, term) in self.depth_key.iter_mut().zip([key.constant, key.x, key.y]) {
-            out[l] = term as f32;
+    /// Sets a triangle's depth key to zero, as it is relative to the triangle's own plane, unless the triangle is
+    /// ill-conditioned, or componentwise bounds of its edge functions decide more. Whether it is set.
+    pub(super) fn set_key_to_zero(&mut self, l: usize, span: &FunctionDomain) -> bool {
+        let sizes = self.edges.map(|edge| {
+            let [constant, x, y] = edge.map(|term| f64::from(term[l]));
+            Linear { constant, x, y }.size(span)
+        });
+        let magnitude = greater(greater(sizes[0], sizes[1]), sizes[2]);
+        let least = lesser(lesser(sizes[0], sizes[1]), sizes[2]);
+        let error = f64::from(self.edge_error[l]);
+        let is_fine = !self.ill_conditioned[l] && are_edges_smooth(error, least, magnitude);
+        if is_fine {
+            self.depth_key.iter_mut().for_each(|term| term[l] = 0.0);
+            self.depth_key_error[l] = f32::MIN_POSITIVE;
+            self.is_rough[l] = false;
         }
-        self.depth_key_error[l] = error;
-        // NaN fails these comparisons.
-        let is_in_range = error < f32::MAX && spread < f64::from(f32::MAX);
-        self.ill_conditioned[l] = !(are_sound && is_in_range);
-        self.is_rough[l] = false;
-        let is_culled = space.cull == Cull::Back && functions.facing.0 > 0.0;
-        if is_missed || is_culled {
-            self.boxes[l].right = -1;
-        }
-        self.overflows |= are_sound && !is_in_range && !is_missed && !is_culled;
+        is_fine
     }
 
     /// Whether a triangle's depth key may reach a value between two somewhere in the packet.
@@ -246,9 +219,9 @@ impl TriangleSetup {
 }
 
 impl PacketSpace {
-    /// A triangle's functions in double precision. `None` where it is not sure which side of the triangle the packet
+    /// A triangle's edge functions in double precision. `None` where it is not sure which side of the triangle the packet
     /// sees.
-    pub(super) fn functions_in_double(&self, corners: [Vec3; 3]) -> Option<PacketFunctions> {
+    pub(super) fn edges_in_double(&self, corners: [Vec3; 3]) -> Option<Edges> {
         let triangle = self.map_triangle(corners);
         let size = self.size_of(&triangle);
         let plane = self.plane(&triangle, &size);
@@ -260,10 +233,7 @@ impl PacketSpace {
         let [e, f, g] = self.edge_functions(&triangle, plane.facing.signum());
         let steepest = greater(greater(e.slope(), f.slope()), g.slope());
         let error = self.edge_error(&size) + self.ray_error * steepest;
-        Some(PacketFunctions {
-            edges: [(e, error), (f, error), (g, error)],
-            facing: (plane.facing, plane.facing_error),
-        })
+        Some([(e, error), (f, error), (g, error)])
     }
 
     /// A triangle in packet space.

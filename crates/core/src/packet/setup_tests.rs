@@ -10,7 +10,7 @@ use super::setup::{PacketSpace, TriangleSetup};
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
 use crate::hit::Cull;
-use crate::num::simd::{LANES, Plain, Work};
+use crate::num::simd::{LANES, Plain, Simd, Work};
 use crate::random::Random;
 use crate::ray::Ray;
 use crate::triangle::BoundedHit;
@@ -586,7 +586,7 @@ fn relative_depth_keys_order_only_what_is_sure() {
                 let primitives: [u32; LANES] = std::array::from_fn(|l| l as u32);
                 // Without it, the keys of set-up with componentwise bounds are compared.
                 if round % 8 != 2 {
-                    keys.refine(&space, (&corners, &primitives), &mut set_up);
+                    keys.refine((&space, Simd::Plain), (&corners, &primitives), &mut set_up);
                 }
                 for l in (0..LANES).step_by(2) {
                     let sound = |l: usize| !set_up.ill_conditioned[l] && set_up.boxes[l].right >= 0;

@@ -19,6 +19,7 @@ use super::observer::Observer;
 use super::occlusion::Occlusion;
 use super::params::ROW;
 use super::places::TANGENT_ERROR;
+use super::plane_keys::SideOfPlane;
 use super::ray_bounds::{CornerProjector, ProjectedTriangles};
 use super::ray_box::RayBox;
 use super::ray_rect::RayRect;
@@ -417,10 +418,17 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
             if rays.is_narrow() && zbuffer.occludes_each(lanes, &rays, projected.nearest[lane]) {
                 return Outcome::Occluded;
             }
-            if self.reference.is_plane()
-                && zbuffer.occludes(&rays, self.decisions.nearest_key(primitive))
-            {
-                return Outcome::Occluded;
+            if self.reference.is_plane() {
+                let is_occluded = match self.decisions.side_of_reference(primitive) {
+                    SideOfPlane::Behind(nearest) => zbuffer.occludes(&rays, nearest),
+                    SideOfPlane::Within => {
+                        zbuffer.covers_precede(rays.cells(), primitive, &self.decisions)
+                    }
+                    SideOfPlane::Neither => false,
+                };
+                if is_occluded {
+                    return Outcome::Occluded;
+                }
             }
             if self.decisions.is_known_never_hit(primitive) {
                 return Outcome::Occluded;

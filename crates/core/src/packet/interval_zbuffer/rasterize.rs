@@ -463,11 +463,8 @@ impl IntervalZBuffer {
                 let [loses, nearer] = of_eight(order);
                 let contested = &mut self.contested[cell_of(first) % (CELLS * CELLS)];
                 *contested = contested.saturating_add(1);
-                // Triangles of one plane are as close in any reference.
-                if !order.in_one_plane {
-                    self.contests += 1;
-                    self.contested_by = sure_hit;
-                }
+                self.contests += 1;
+                self.contested_by = sure_hit;
                 same &= !loses;
                 wins = nearer & same & undecided.hits;
             } else if sure_hit == MISS {

@@ -114,6 +114,23 @@ impl IntervalZBuffer {
         self.sure_hits.covered |= 1 << cell;
     }
 
+    /// Whether all rays of some cells, as bits, surely hit triangles of this one's plane that come before it.
+    #[inline(never)]
+    pub(in crate::packet) fn covers_precede(
+        &self,
+        cells: u32,
+        primitive: u32,
+        decisions: &Decisions<'_>,
+    ) -> bool {
+        let is_first = |cell: usize| {
+            let cover = self.sure_hits.cells[cell].cover;
+            decisions.is_first_in_plane(cover, primitive)
+        };
+        let all = 0..CELLS * CELLS;
+        cells & !self.sure_hits.covered == 0
+            && all.filter(|cell| cells >> cell & 1 != 0).all(is_first)
+    }
+
     /// Whether each ray of a cell has a sure hit that is surely nearer than this triangle, by the planes of the two. For
     /// cells in which depths have left orders undecided.
     #[inline(never)]

@@ -11,6 +11,7 @@ use crate::packet::interval_zbuffer::IntervalZBuffer;
 use crate::packet::params::{ROW, SIDE};
 use crate::packet::place_box::PlaceBox;
 use crate::packet::places::Places;
+use crate::packet::plane_keys::SideOfPlane;
 use crate::packet::ray_bounds::CornerProjector;
 use crate::packet::ray_rect::RayRect;
 use crate::packet::setup::PacketSpace;
@@ -199,11 +200,18 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         let near = (self.reference).relative_above(projected.bounds.nearest[lane]);
         let around = projected.bounds.of(lane);
         let cells = places.cells_touched(lanes, &around);
-        if zbuffer.occludes_cells(lanes, cells, near)
-            || self.reference.is_plane()
-                && zbuffer.occludes_cells(lanes, cells, self.decisions.nearest_key(primitive))
-        {
+        if zbuffer.occludes_cells(lanes, cells, near) {
             return 0;
+        }
+        if self.reference.is_plane() {
+            let is_occluded = match self.decisions.side_of_reference(primitive) {
+                SideOfPlane::Behind(nearest) => zbuffer.occludes_cells(lanes, cells, nearest),
+                SideOfPlane::Within => zbuffer.covers_precede(cells, primitive, &self.decisions),
+                SideOfPlane::Neither => false,
+            };
+            if is_occluded {
+                return 0;
+            }
         }
         if projected.small >> lane & 1 != 0 {
             let small = (projected.small(lane), primitive);
