@@ -25,7 +25,7 @@ impl RayBox {
             first_to(self.top, self.bottom),
         );
         (0..CELLS).fold(0, |cells, row| {
-            cells | (rows >> row & 1) * columns << (row * CELLS)
+            cells | (((rows >> row & 1) * columns) << (row * CELLS))
         })
     }
 
@@ -33,5 +33,45 @@ impl RayBox {
     #[inline(always)]
     pub(crate) fn is_narrow(self) -> bool {
         self.right - self.left < ROW as i32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packet::params::SIDE;
+
+    #[test]
+    fn cells_are_those_of_the_rays() {
+        let all = 0..SIDE as i32;
+        let boxes = all.clone().flat_map(|left| {
+            (left..SIDE as i32)
+                .step_by(3)
+                .map(move |right| (left, right))
+        });
+        for (left, right) in boxes {
+            for (top, bottom) in [
+                (0, 0),
+                (7, 8),
+                (5, 31),
+                (24, 24),
+                (right, right),
+                (left, right),
+            ] {
+                let rays = RayBox {
+                    left,
+                    right,
+                    top,
+                    bottom,
+                };
+                let mut cells = 0u32;
+                for (row, column) in
+                    (top..=bottom).flat_map(|row| (left..=right).map(move |column| (row, column)))
+                {
+                    cells |= 1 << (row as usize / ROW * CELLS + column as usize / ROW);
+                }
+                assert_eq!(rays.cells(), cells, "{rays:?}");
+            }
+        }
     }
 }

@@ -13,8 +13,9 @@ use scenes::{
     about_eye, between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
     far_fan, far_vertex, flat_disc, inside_needle, integer_plane, mesh_copies, next_to_discs,
     next_to_fan, next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers,
-    next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane, shared_edge, shared_plane,
-    shared_vertex, subnormal_layers, thin_boxes, tilted_layers, tiny_and_far,
+    next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane, roundings_apart,
+    shared_edge, shared_plane, shared_vertex, subnormal_layers, thin_boxes, tilted_layers,
+    tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -50,6 +51,7 @@ pub const TIMED_CASES: &[TimedCase] = &[
     // Single precision does not tell the front from the back: each ray decides between the two.
     timed("tiny_and_far", tiny_and_far),
     timed("rays_closer_than_roundings", closer_than_roundings),
+    timed("rays_roundings_apart_at_an_edge", roundings_apart),
     timed("triangles_about_a_corner_from_far_away", far_fan),
     timed("layers_in_one_plane", one_plane),
     timed("layers_a_rounding_apart", rounded_layers),
@@ -168,6 +170,12 @@ pub(super) const CASES: &[Case] = &[
         closer_than_roundings,
         (24, 18),
         "A sphere some 1e-15 of its distance across: rays' directions are rounded by more than they differ."
+    ),
+    case!(
+        "rays_roundings_apart_at_an_edge",
+        roundings_apart,
+        (24, 18),
+        "300 triangles about an edge, next to its corner: parallel rays that are a few roundings of their origins apart."
     ),
     case!(
         "triangles_about_a_corner_from_far_away",

@@ -206,6 +206,43 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     assert_eq!(rivals(&zbuffer), expected);
 }
 
+/// A triangle is skipped where each cell that it touches is covered by a triangle of its plane with a lower id: not by one
+/// with a higher id, nor by one of another plane, nor where a cell has no cover.
+#[test]
+fn covers_precede_later_triangles_of_their_plane_alone() {
+    let flat_grid = grid(2, |x, y| DVec3::new(x, y, 0.0));
+    let raised_grid = grid(1, |x, y| DVec3::new(x, y, 0.5));
+    let (accel, clip) = (build([flat_grid, raised_grid]), Clip::NONE);
+    let mut decisions = decisions_of(&accel, &clip, Precision::Exact);
+    let mut random = Random(92);
+    let seen_from = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.1);
+    let packet = RayRect::all(&seen_from.whole().lattice());
+    decisions.set_rays(&space(&seen_from, DVec3::ZERO, Cull::None), &packet);
+    let mut by_id: Vec<u32> = (0..accel.len() as u32).collect();
+    by_id.sort_unstable_by_key(|&primitive| accel.id(primitive));
+    // The last two are raised.
+    let [low, middle, high] = [by_id[0], by_id[3], by_id[5]];
+    let other = by_id[by_id.len() - 2];
+    let mut zbuffer = IntervalZBuffer::new();
+    zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
+    let cells = 0b11 << 5;
+    assert!(!zbuffer.covers_precede(cells, middle, &decisions));
+    zbuffer.sure_hits.set(low, 5);
+    zbuffer.sure_hits.set(low, 6);
+    // Nothing is known of their planes yet.
+    assert!(!zbuffer.covers_precede(cells, middle, &decisions));
+    for pair in [[middle, low], [middle, high], [middle, other]] {
+        decisions.order(pair);
+    }
+    assert!(zbuffer.covers_precede(cells, middle, &decisions));
+    assert!(!zbuffer.covers_precede(cells | 1 << 7, middle, &decisions));
+    for is_no_cover in [high, other] {
+        zbuffer.sure_hits.set(is_no_cover, 6);
+        assert!(!zbuffer.covers_precede(cells, middle, &decisions));
+        assert!(zbuffer.covers_precede(1 << 5, middle, &decisions));
+    }
+}
+
 /// The bounds of depths contain those of a triangle that is nearest by an order of planes, whatever its own bounds are.
 #[test]
 fn a_triangle_that_wins_a_cell_widens_its_depths() {

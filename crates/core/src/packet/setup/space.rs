@@ -4,6 +4,7 @@
 use super::{EPSILON, Linear, REACH};
 use crate::camera::{Camera, Projection};
 use crate::hit::Cull;
+use crate::num::choice::greater;
 use crate::num::simd::LANES;
 use crate::packet::depth_reference::DepthReference;
 use crate::packet::params::SIDE;
@@ -105,13 +106,15 @@ impl Packet {
 }
 
 /// Bound on how far an orthographic ray's origin is from its place, but for the eye's error. `sizes` are the greatest
-/// coordinates of the eye in world space, to which the place is added, and of the point that places are relative to;
-/// `reach` is the sum of those of the place on the image plane and in the picture. Each of the two sums is rounded once;
-/// a place in the picture, its offset from the view axis, and products and sum with the axes round twelve times by no
-/// more than `reach`, in the ray and again in the packet.
+/// coordinates of the eye in world space, to which the place is added in the ray, and of the point that places are
+/// relative to, to which it is added in the packet; `reach` is the sum of the greatest coordinates of the place on the
+/// image plane and in the picture. Each of the two sums is rounded once.
+///
+/// A place in the picture, its offset from the view axis, and products and sum with the axes round twelve times by no
+/// more than `reach`, in the ray and again in the packet. Untested, because dominated: single precision moves places by
+/// more unless they are millions of columns from the axis.
 pub(in crate::packet) fn origin_error(sizes: [f64; 2], reach: f64) -> f64 {
-    let [eye, point] = sizes;
-    EPSILON * (1.01 * (eye + point) + 32.0 * reach)
+    EPSILON * (2.02 * greater(sizes[0], sizes[1]) + 32.0 * reach)
 }
 
 impl PacketSpace {

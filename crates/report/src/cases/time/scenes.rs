@@ -1,8 +1,8 @@
 //! Hostile scenes, and as many ordinary triangles in the same place.
 
 use super::scene_pair::{
-    EYE, ScenePair, SceneView, ordinary, pair, pair_from_the_origin, pair_on_grid, single_mesh,
-    soups_in, to_f32, triangles_on,
+    EYE, ScenePair, SceneView, ordinary, ordinary_pair, pair, pair_from_the_origin, pair_on_grid,
+    single_mesh, soups_in, to_f32, triangles_on,
 };
 use crate::meshes::{self, mesh, soup};
 use crate::stage::scene_of;
@@ -166,6 +166,17 @@ pub(super) fn tiny_and_far() -> ScenePair {
 
 pub(super) fn closer_than_roundings() -> ScenePair {
     distant_sphere(2e-15)
+}
+
+/// Triangles about an edge, seen next to its corner by parallel rays that are roundings of their origins apart.
+pub(super) fn roundings_apart() -> ScenePair {
+    let mut random = Random::new(580);
+    let ends = [(); 2].map(|()| to_f32(random.in_cube()));
+    let fan: Vec<_> = (0..300)
+        .map(|_| [ends[0], ends[1], random.in_cube()])
+        .collect();
+    let eye = ends[0] + random.in_cube() * 3e-8;
+    ordinary_pair((eye, ends[0], 2e-14), &fan)
 }
 
 /// Large triangles about a corner, from 1e13 of their lengths away and next to them.
