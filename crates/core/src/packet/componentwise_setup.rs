@@ -261,9 +261,9 @@ impl PacketSpace {
         for l in 0..LANES {
             let factors = Factors::new(corners_in_lane(&corners, l), space.origin);
             let functions = space.functions(&factors);
-            let is_asked = (which >> l & 1 != 0) & factors.in_range;
-            alone[l] = is_asked & space.are_rounded(&functions);
-            overflow[l] = space.store(&functions, (l, is_asked), &mut set_up);
+            let is_selected = (which >> l & 1 != 0) & factors.in_range;
+            alone[l] = is_selected & space.are_rounded(&functions);
+            overflow[l] = space.store(&functions, (l, is_selected), &mut set_up);
         }
         set_up.overflows |= overflow.contains(&true);
         *out = set_up;
@@ -295,34 +295,34 @@ impl PacketSpace {
         functions: &Functions,
         (key, error): (Linear, f64),
         span: &FunctionDomain,
-        (l, is_asked): (usize, bool),
+        (l, is_selected): (usize, bool),
         out: &mut TriangleSetup,
     ) -> bool {
         let facing = functions.facing.0;
         let clear = is_clear(functions.facing);
         let mut culled = (self.cull == Cull::Back) & (facing > 0.0);
         let sign = if facing < 0.0 { -1.0 } else { 1.0 };
-        let (is_sound, is_missed) = out.store_edges(&functions.edges, sign, (l, is_asked), span);
+        let (is_sound, is_missed) = out.store_edges(&functions.edges, sign, (l, is_selected), span);
         culled |= is_missed;
         let spread = key.size(span);
         let key_error = spread * LINEAR_ERROR + error;
         for (out, term) in out.depth_key.iter_mut().zip([key.constant, key.x, key.y]) {
-            out[l] = if is_asked { term as f32 } else { out[l] };
+            out[l] = if is_selected { term as f32 } else { out[l] };
         }
         let error = (key_error * 1.001) as f32 + f32::MIN_POSITIVE;
         let depth_key_error = &mut out.depth_key_error[l];
-        *depth_key_error = if is_asked { error } else { *depth_key_error };
+        *depth_key_error = if is_selected { error } else { *depth_key_error };
         let is_in_range = (key_error < f64::from(f32::MAX)) & (spread < f64::from(f32::MAX));
         let ill_conditioned = !(clear & is_sound & is_in_range);
-        out.ill_conditioned[l] = if is_asked {
+        out.ill_conditioned[l] = if is_selected {
             ill_conditioned
         } else {
             out.ill_conditioned[l]
         };
-        out.is_rough[l] &= !is_asked;
-        culled &= clear & is_asked;
+        out.is_rough[l] &= !is_selected;
+        culled &= clear & is_selected;
         out.boxes[l].right = if culled { -1 } else { out.boxes[l].right };
-        is_asked & !culled & clear & is_sound & !is_in_range
+        is_selected & !culled & clear & is_sound & !is_in_range
     }
 
     /// Sets up lane `l` again, from closer factors where double precision does not suffice, and ends as soon as it is

@@ -84,12 +84,12 @@ impl PlaneKeySetup<'_> {
         for l in 0..LANES {
             let factors = Factors::new(corners_in_lane(&corners, l), space.origin);
             let functions = space.functions(&factors);
-            let is_asked = self.which >> l & 1 != 0;
+            let is_selected = self.which >> l & 1 != 0;
             let suffices =
                 factors.in_range & is_clear(functions.facing) & !space.are_rounded(&functions);
-            closely[l] = is_asked & !suffices;
+            closely[l] = is_selected & !suffices;
             let of_plane = (distances.get(l), self.factor);
-            let lane = (l, is_asked & suffices);
+            let lane = (l, is_selected & suffices);
             overflow[l] = store(&space, &functions, of_plane, lane, &mut set_up);
         }
         set_up.overflows |= overflow.contains(&true);
@@ -98,14 +98,14 @@ impl PlaneKeySetup<'_> {
     }
 }
 
-/// Stores a triangle's functions, and the depth key that its distances give, as those of lane `l` if it is asked for and
+/// Stores a triangle's functions, and the depth key that its distances give, as those of lane `l` if it is selected and
 /// the key is more accurate than before. Returns whether the key alone overflows single precision.
 #[inline(always)]
 fn store(
     space: &PacketSpace,
     functions: &Functions,
     (distances, factor): (CornerDistances, (f64, f64)),
-    (l, is_asked): (usize, bool),
+    (l, is_selected): (usize, bool),
     out: &mut TriangleSetup,
 ) -> bool {
     let (key, error) = depth_key(space, functions, distances, factor);
@@ -113,7 +113,7 @@ fn store(
     let is_better = out.ill_conditioned[l] | (error < f64::from(out.depth_key_error[l]));
     // NaN and infinity are not better.
     let is_better = is_better & (error < f64::INFINITY);
-    let lane = (l, is_asked & is_better);
+    let lane = (l, is_selected & is_better);
     space.store_with_key(functions, (key.moved(&span), error), &span, lane, out)
 }
 

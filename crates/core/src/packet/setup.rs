@@ -148,14 +148,14 @@ impl TriangleSetup {
         constant + across + along + self.depth_key_error[l]
     }
 
-    /// Stores the edge functions of lane `l`, if it is asked for, each in a scale of its own; times `sign` they are
+    /// Stores the edge functions of lane `l`, if it is selected, each in a scale of its own; times `sign` they are
     /// positive inside. Whether they have scales, and whether one is surely negative in all of the span.
     #[inline(always)]
     pub(super) fn store_edges(
         &mut self,
         edges: &Edges,
         sign: f64,
-        (l, is_asked): (usize, bool),
+        (l, is_selected): (usize, bool),
         span: &FunctionDomain,
     ) -> (bool, bool) {
         let mut greatest_error = 0.0;
@@ -176,13 +176,13 @@ impl TriangleSetup {
             let terms = [function.constant, function.x, function.y];
             for (out, term) in self.edges[edge].iter_mut().zip(terms) {
                 let term = if is_sound { term as f32 } else { 0.0 };
-                out[l] = if is_asked { term } else { out[l] };
+                out[l] = if is_selected { term } else { out[l] };
             }
             let scales = &mut self.edge_scales[edge];
-            scales[l] = if is_asked { magnitude } else { scales[l] };
+            scales[l] = if is_selected { magnitude } else { scales[l] };
         }
         let edge_error = &mut self.edge_error[l];
-        *edge_error = if is_asked {
+        *edge_error = if is_selected {
             greatest_error as f32
         } else {
             *edge_error
