@@ -254,14 +254,17 @@ impl Camera {
         }
     }
 
-    /// For each component of a perspective camera's [`Camera::direction`] the greatest sum of its terms' magnitudes,
-    /// those of the place's own coordinates included, within `reach` pixels from (x, y).
-    pub(crate) fn greatest_direction(&self, (x, y): (f64, f64), reach: f64) -> DVec3 {
+    /// The greatest magnitudes of the terms that a perspective camera's [`Camera::direction`] is the sum of, by component,
+    /// within `reach` pixels from (x, y): of the view axis, which is the same for all rays, and of all others, those of the
+    /// place's own coordinates included.
+    pub(crate) fn greatest_terms(&self, (x, y): (f64, f64), reach: f64) -> [DVec3; 2] {
         let [right, down] = self.center;
         let across = (x.abs() + right.abs() + reach) * self.plane.step;
         let along = (y.abs() + down.abs() + reach) * self.plane.step;
-        let forward = self.forward.abs() * self.distance;
-        self.right.abs() * across + self.up.abs() * along + forward
+        [
+            self.forward.abs() * self.distance,
+            self.right.abs() * across + self.up.abs() * along,
+        ]
     }
 
     /// Projects a world point to the picture, in pixels. `None` at or behind the eye's plane of a perspective

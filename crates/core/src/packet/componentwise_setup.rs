@@ -14,28 +14,28 @@
 //! * **Cross products.** P is off by ε|P| and by η, the origin's own error, which is the same for all corners; a
 //!   difference of corners u = Q − P, taken from the stored ones, by ε|u| alone. P×Q is P×u and Q×u too, and each
 //!   component is that of the three whose bound is least: off by 4ε of |P|×|Q|, |P|×|u| or |Q|×|u|, and by the
-//!   origin's error times the sum of the two components of |u|, with second orders 1.01η. A product with a vector rounds
-//!   at most eight times more (below), each time by ε of no more than these magnitudes: 12ε bounds both.
-//! * **Functions.** With R the greatest |d(i, j)| up to [`REACH`], by component, the constant term takes three
-//!   roundings for a product and a sum of three, two for moving to another place, and three for its scale and its
-//!   greatest value over the triangle's bounds; a step takes three, one for its product with the place, and five of
-//!   the same. Each component of B is the greatest sum of the magnitudes of the terms that a direction's component is
-//!   the sum of (`Camera::greatest_direction`). By component, a ray's direction is off by 6εB, d by 5εB, and i·a + j·b by
-//!   εB. With R ≤ B, 20εB·|m| is taken: it has room for a step's ninth rounding, as the origin's error of 32εR has for
-//!   orthographic packets.
-//! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, where four of the eight
-//!   roundings are used, and by η times the vector. P₀·n is taken at the corner where that is least; where it is not
-//!   clear, P₀·(P₁×P₂) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is
+//!   origin's error times the sum of the two components of |u|, with second orders 1.01η.
+//! * **Directions.** A direction is the sum of f, along the view axis, which is the same number for the packet and for all
+//!   rays, and of terms of a place, G by component with those of the place's own coordinates (`Camera::greatest_terms`).
+//!   The last sum rounds by ε(|f| + G), division by the length by as much, and what comes before rounds the place's
+//!   terms by 5ε: a ray's direction is off by 2ε|f| + 7εG, d by ε|f| + 6εG, and i·a + j·b by 2εG.
+//! * **Functions.** m·d rounds by 3ε(|f| + G)·|m|; steps round three times, and three more where a function is moved to
+//!   another place: 6εG·|m|. Moving rounds the sum by 2ε of itself too, and its scale by ε: a hundredth of what is
+//!   left of [`LINEAR_ERROR`]. Together with 2ε for closer factors (below) (8ε|f| + 26εG)·|m| is taken.
+//!   Orthographic rays run along d itself: 3ε|d|, and the steps' roundings are taken for eight.
+//! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, by η times the vector, and by
+//!   three roundings, which are taken for eight ([`ROUNDINGS`]). P₀·n is taken at the corner where that is least; where it is
+//!   not clear, P₀·(P₁×P₂) is tried too. The key's numerator is a function as above, of n; a quotient whose denominator is
 //!   off by a quarter of itself at most is off by 4/3 of what its parts are off by, relative to itself (lemma 6): we take 2.
-//!   Inverse and products round a key by 3ε of itself; its denominator's bound is 12ε of itself at least, of which it
-//!   needs 8, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
+//!   Inverse, products and sums round a key by 6ε of itself; its denominator's bound is 12ε of itself at least, of which it
+//!   needs 7, and is taken twice. All this is of the whole key; it is made relative to the packet's reference
 //!   afterwards, as in `setup`. Units of depth are powers of two, and round nothing.
 //!
 //! * **Closer factors.** From an eye that is not off, P₀·n is computed again where its sign is not clear, and P×Q where an
 //!   edge function is off by more than [`RECOMPUTE_ABOVE`] of itself, and than rays' own roundings move it: planes, or
-//!   edges' lines, that pass the eye within roundings. In double-double arithmetic, or exactly where that does not suffice, P×Q is off by 2.01ε of itself: the
-//!   bound of products stays 12ε. Untested, because dominated: P₀·n's error is far below [`LINEAR_ERROR`], by which the
-//!   key is off too, and of the ten roundings of products the 20εB along rays have room for eight.
+//!   edges' lines, that pass the eye within roundings. In double-double arithmetic, or exactly where that does not suffice, P×Q is off by 2ε of itself, which
+//!   is counted along rays. Untested, because dominated: P₀·n's error is far below [`LINEAR_ERROR`], by which the key is
+//!   off too.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!
@@ -61,7 +61,10 @@ const NUMBER_RANGE: f64 = f64::from_bits((1023 + 200) << 52);
 /// rays of such an edge are.
 const RECOMPUTE_ABOVE: f64 = 1.0 / (1 << 12) as f64;
 
-/// A vector, and for each component a bound on its error and on the roundings of products with it.
+/// Roundings of a product with a vector: at most eight.
+const ROUNDINGS: f64 = 8.0 * EPSILON;
+
+/// A vector, and for each component a bound on its error.
 #[derive(Clone, Copy)]
 pub(super) struct Bounded {
     value: DVec3,
@@ -74,7 +77,7 @@ impl Bounded {
         let (plus, minus) = (p.yzx() * q.zxy(), p.zxy() * q.yzx());
         Self {
             value: plus - minus,
-            error: (plus.abs() + minus.abs()) * (12.0 * EPSILON),
+            error: (plus.abs() + minus.abs()) * (4.0 * EPSILON),
         }
     }
 
@@ -121,9 +124,16 @@ impl Bounded {
     /// The product with a corner, and the bound on its error.
     #[inline(always)]
     fn dot(&self, corner: DVec3, origin_error: f64) -> (f64, f64) {
-        let off = corner.abs() + origin_error;
-        let error = self.error_by(off) + self.error_of_weights(DVec3::splat(origin_error));
+        let corner_error = corner.abs() * ROUNDINGS + origin_error;
+        let error =
+            self.error_by(corner.abs() + origin_error) + self.error_of_weights(corner_error);
         (corner.dot(self.value), error)
+    }
+
+    /// The error of products with a vector that is not off, roundings included.
+    #[inline(always)]
+    fn product_error(&self, by: DVec3) -> f64 {
+        self.error_by(by.abs()) + self.error_of_weights(by.abs() * ROUNDINGS)
     }
 }
 
@@ -393,8 +403,8 @@ impl PacketSpace {
         let (constant, error, facing) = if self.perspective {
             (d.dot(n), self.error_along_rays(normal), product)
         } else {
-            let error = product.1 + normal.error_by(self.reach());
-            (-product.0, error, (d.dot(n), normal.error_by(d.abs())))
+            let error = product.1 + normal.product_error(self.reach());
+            (-product.0, error, (d.dot(n), normal.product_error(d)))
         };
         let numerator = Linear {
             constant,
@@ -417,7 +427,7 @@ impl PacketSpace {
     #[inline(always)]
     fn is_rounded(&self, product: &Bounded, reach: f64) -> bool {
         let error = product.error_by(self.rays.direction.abs() + self.reach());
-        let by_rays = product.error_of_weights(self.rays.greatest * (20.0 * EPSILON));
+        let by_rays = product.error_of_weights(self.rays.error);
         !((error <= RECOMPUTE_ABOVE * reach) | (error <= by_rays))
     }
 
@@ -461,9 +471,11 @@ impl PacketSpace {
             let mut function = self.edge_function(&product, u);
             if may_be_closer && self.is_rounded(&product, function.0.reach()) {
                 functions.are_rounded = true;
-                let value = cross_from(self.origin, ends[edge]);
-                let error = value.abs() * (12.0 * EPSILON);
-                function = self.edge_function(&Bounded { value, error }, u);
+                let closer = Bounded {
+                    value: cross_from(self.origin, ends[edge]),
+                    error: DVec3::ZERO,
+                };
+                function = self.edge_function(&closer, u);
             }
             if is_clear(facing) && misses(facing.0, &function) {
                 return None;
@@ -516,7 +528,8 @@ impl PacketSpace {
                 y: b.dot(slope.value),
             };
             let error = product.error_by(d.abs())
-                + slope.error_by(self.reach())
+                + product.error_of_weights(self.rays.error)
+                + slope.product_error(self.reach())
                 + slope.error_of_weights(DVec3::splat(self.origin_error));
             (function, error)
         }
@@ -526,6 +539,6 @@ impl PacketSpace {
     #[inline(always)]
     fn error_along_rays(&self, vector: &Bounded) -> f64 {
         vector.error_by(self.rays.direction.abs() + self.reach())
-            + vector.error_of_weights(self.rays.greatest * (20.0 * EPSILON))
+            + vector.error_of_weights(self.rays.error)
     }
 }

@@ -20,7 +20,8 @@
 //!   them: that moves p and q by less than 128εB.
 //! * **Places.** Divided by s: 1310εK. The sum and the quotient round by less than 4ε·32, and the place of the packet's
 //!   first ray in the picture by 6εK: below 1400εK, times √2 where both coordinates move a direction. [`PLACE_ERROR`] is
-//!   above that.
+//!   above that, and above it with the 26ε by which products with directions are off beside
+//!   ([`componentwise_setup`](super::componentwise_setup)).
 //! * **Lenses.** Packets of a picture through a lens share the camera's own image plane, on which directions (x, y, 1)
 //!   are places already: neither products nor the plane's axes move them. With x and y at most 2 ([`FLATTEST`]) |d| is
 //!   at most 3, B at most 5, and the nine roundings of rays on their way to the world move tangents by less than
@@ -417,16 +418,15 @@ impl Places {
 impl PacketSpace {
     /// The same packet, with rays beside their places by [`PLACE_ERROR`], and on a plane at distance one by `beside` more.
     pub(super) fn with_rays_beside(mut self, beside: f64) -> Self {
-        // Bounds are proportional to these, where a lattice's rays are off by 32 units, or its directions by 20. These rays
-        // are off by as much in all components.
+        // Bounds are proportional to it, where a lattice's rays are off by 32 units. These rays are off by as much in all
+        // components.
         self.ray_error *= PLACE_ERROR / 32.0;
         let greatest = self.rays.distance * self.obliqueness;
-        let mut off = greatest * self.obliqueness * (PLACE_ERROR / 20.0);
+        let off = greatest * self.obliqueness * (PLACE_ERROR * EPSILON);
         if beside > 0.0 {
             self.ray_error += beside / self.rays.steps[0].length();
-            off += beside / (20.0 * EPSILON);
         }
-        self.rays.greatest = DVec3::splat(off);
+        self.rays.error = DVec3::splat(off + beside);
         self
     }
 }

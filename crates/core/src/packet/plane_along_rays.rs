@@ -6,9 +6,9 @@
 //! sure: if the eye lies on the plane, it goes by the ray alone.
 //!
 //! # Error bound
-//! u = 2⁻²⁴; B as in [`componentwise_setup`](super::componentwise_setup). The depth key is off by κ and at most K in
+//! u = 2⁻²⁴; directions' error is that of [`componentwise_setup`](super::componentwise_setup). The depth key is off by κ and at most K in
 //! its triangle's bounds, relative to its reference ρ, which becomes a part of the linear function. That has the magnitude N,
-//! and is evaluated within [`LINEAR_ERROR`]·N; the ray's direction moves it by 20εB·|n|. The factor of the key, its product,
+//! and is evaluated within [`LINEAR_ERROR`]·N; directions' error moves it. The factor of the key, its product,
 //! and the sum are rounded once each: with G the factor, 3u·G·K + u·(G·K + N), to which come G·κ and the error of g by
 //! K + κ + ρ. All is divided by G·K + N, so that single precision's range holds it.
 //!
@@ -60,8 +60,7 @@ impl PacketSpace {
                 x: a.dot(n),
                 y: b.dot(n),
             },
-            error: 20.0 * EPSILON * self.rays.greatest.dot(n.abs())
-                + by_key.abs() * self.reference_error,
+            error: self.rays.error.dot(n.abs()) + by_key.abs() * self.reference_error,
             by_key,
             by_key_error: (plane.error + 4.0 * EPSILON * plane.value.abs()) * depth,
             reference: self.reference,

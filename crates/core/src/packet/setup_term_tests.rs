@@ -248,7 +248,7 @@ fn rays_beside_their_places_are_within_the_bounds() {
         let mut space: PacketSpace = space(&camera, DVec3::ZERO, Cull::None);
         space.ray_error = ray_error;
         let aside = space.obliqueness * ray_error * pitch;
-        space.rays.greatest = DVec3::splat(aside / (20.0 * 1.1e-16));
+        space.rays.error = DVec3::splat(aside);
         let corners = [(); 3].map(|()| {
             let along = camera.forward() * (30.0 * pitch * random.signed());
             (along + random.point() * (20.0 * pitch)).as_vec3()
@@ -327,7 +327,9 @@ fn components_of_directions_are_within_their_bounds() {
             };
             let on_plane = of(space.rays.direction, 1.0) + of(a, i) + of(b, j);
             let off = (on_plane - of(direction, 1.0)).high.abs();
-            let bound = 12.0 * EPSILON * space.rays.greatest[component];
+            // Besides these roundings it bounds that to unit length, three of a product, and two of closer factors.
+            let rest = 6.0 * EPSILON * direction[component].abs();
+            let bound = space.rays.error[component] - rest;
             assert!(off <= bound, "{component}: {off:e} {bound:e}");
             greatest = greatest.max(off / bound);
         }

@@ -54,8 +54,9 @@ pub(in crate::packet) struct PacketRays {
     pub(in crate::packet) steps: [DVec3; 2],
     /// D; one for orthographic packets.
     pub(in crate::packet) distance: f64,
-    /// B of [`componentwise_setup`](crate::packet::componentwise_setup), a vector; zero for orthographic packets.
-    pub(in crate::packet) greatest: DVec3,
+    /// Bound on the error of products with directions, in units of the other factor's components: of the rays' own
+    /// directions, of d and of products' roundings. [`componentwise_setup`](crate::packet::componentwise_setup) derives it.
+    pub(in crate::packet) error: DVec3,
 }
 
 /// What the spaces of perspective and of orthographic packets have in common.
@@ -67,12 +68,12 @@ struct Packet {
 
 impl Packet {
     /// The map of a packet whose first ray has this direction, with its image plane at `distance` from the origin, and
-    /// `greatest` for the B of componentwise bounds. Magnitudes are left to the projection.
+    /// this error of products with directions. Magnitudes are left to the projection.
     fn space(
         self,
         (d, distance): (DVec3, f64),
         (origin, origin_error): (DVec3, f64),
-        greatest: DVec3,
+        error: DVec3,
     ) -> PacketSpace {
         let [a, b] = self.steps;
         let determinant = a.dot(b.cross(d));
@@ -93,7 +94,7 @@ impl Packet {
                 direction: d,
                 steps: self.steps,
                 distance,
-                greatest,
+                error,
             },
             reference: Linear::ZERO,
             reference_error: 0.0,
@@ -140,13 +141,14 @@ impl PacketSpace {
             Projection::Perspective => {
                 let (d, distance) = (camera.direction(x, y), camera.distance());
                 let (stretch, wide) = ((reach + distance) / step, (reach + distance) / distance);
-                let greatest = camera.greatest_direction((x, y), REACH * stride);
+                let [axis, others] = camera.greatest_terms((x, y), REACH * stride);
+                let error = (axis * 8.0 + others * 26.0) * EPSILON;
                 Self {
                     stretch_and_reach: stretch + REACH,
                     size: (2.1 * step / distance, 1.1 * wide),
                     ray_error: 32.0 * EPSILON * stretch * wide,
                     obliqueness: wide,
-                    ..packet.space((d, distance), (eye, eye_error), greatest)
+                    ..packet.space((d, distance), (eye, eye_error), error)
                 }
             }
             Projection::Orthographic | Projection::Panoramic(_) => {
@@ -154,13 +156,14 @@ impl PacketSpace {
                 let places = (x.abs() + y.abs()) * camera.plane().step;
                 let sizes = [camera.pose().eye, origin].map(|point| point.abs().max_element());
                 let origin_error = eye_error + origin_error(sizes, reach + places);
+                let error = camera.forward().abs() * (3.0 * EPSILON);
                 Self {
                     perspective: false,
                     stretch_and_reach: 1.0 / step,
                     size: (2.1 * step, 1.1),
                     ray_error: 0.0,
                     obliqueness: 1.0,
-                    ..packet.space((camera.forward(), 1.0), (origin, origin_error), DVec3::ZERO)
+                    ..packet.space((camera.forward(), 1.0), (origin, origin_error), error)
                 }
             }
         }
