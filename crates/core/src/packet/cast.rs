@@ -91,7 +91,7 @@ impl Accel {
             last: None,
         };
         if lattice.camera.projection().panorama().is_none() {
-            match NearEye::of(self, &lattice.camera) {
+            match NearEye::of(self, lattice) {
                 Some(near) if find.may_see_from_near() => find.find_from(near),
                 _ => find.find_on(RayRect::all(lattice), None),
             }

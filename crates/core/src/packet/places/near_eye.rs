@@ -2,8 +2,8 @@
 //!
 //! From far away rays are closer together than roundings of their directions, or of their origins, and corners
 //! relative to their eye are rounded by more than triangles' sizes. But close to the scene each ray is known
-//! (`triangle/close_start`), and next to parallel to all others. So a packet sees the scene from a **near eye**, at
-//! [`DISTANCE`] lengths of the scene; a ray's place is where it passes the scene, seen from there.
+//! (`triangle/close_start`), and next to parallel to all others. So a packet sees the scene from a **near eye**, at most
+//! [`DISTANCE`] lengths of the scene in front of it; a ray's place is where it passes the scene, seen from there.
 //!
 //! # Error bound
 //! One ray of a packet is followed to a point P₀ close to the scene, in double-double arithmetic. Other rays pass the
@@ -28,9 +28,10 @@
 //! of sure hits, the only ones asked for (`plane_order`), are its own; and hits along it are in the order of their
 //! depths. But it may see another side than N does of a triangle that it does not surely hit.
 
-use super::{Fit, MOST_TANGENT, Places, extremes, fill};
+use super::{Fit, MOST_TANGENT, PLACE_ERROR, Places, extremes, fill};
 use crate::bvh::Accel;
-use crate::camera::{Camera, Projection};
+use crate::camera::{Camera, Lattice, Projection};
+use crate::hit::{Cull, Precision};
 use crate::num::choice::greater;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::Lanes;
@@ -40,23 +41,33 @@ use crate::ray::{Ray, relative_origin};
 use crate::triangle::PreparedRay;
 use glam::DVec3;
 
-/// The distance of the scene from an eye, in columns of its rays, from which on packets see it from a near eye: 2⁴⁵.
-/// Rays' roundings are an eighth of a column here (32ε, see `setup`), and soon leave all rays undecided. From nearer,
-/// packets of the lattice itself decide most rays, and need not compute each of them.
-const FAR: f64 = (1u64 << 45) as f64;
+/// The distance of the scene from an eye, in columns of its rays, from which on packets see it from a near eye: 2⁴⁰.
+/// Corners' roundings are a column for triangles of a few columns here (64·72ε, see `setup`): from further away, most
+/// triangles are set up twice, and soon rays that needles are next to are undecided. From nearer, packets of the lattice
+/// itself decide most rays, and need not compute each of them.
+const FAR: f64 = (1u64 << 40) as f64;
 
 /// The distance of the near eye from the scene, in its lengths: 2²¹. With a greater one errors of places grow, and
 /// with them those of edge functions; with a lesser one those of next to parallel rays, seen from one point. Both are
 /// 2⁻²¹ of the columns that the scene takes up.
 const DISTANCE: f64 = (1u64 << 21) as f64;
 
+/// The least distance of a near eye from the scene, in its lengths, which is the best one where a column is 2⁻³⁰ of the
+/// scene. A greater one is worse for smaller columns; a lesser one would have to be above two, so that the whole scene lies
+/// in front of the eye.
+const LEAST_DISTANCE: f64 = (1u64 << 8) as f64;
+
+/// From d lengths of the scene, where a column is a share c of it, places are off by [`PLACE_ERROR`]·εd/c columns by
+/// rounding, and by half a packet's columns over d as rays are next to parallel: the ratio of the two for d and c of one.
+const ERROR_RATIO: f64 = PLACE_ERROR * EPSILON / (SIDE as f64 * 0.5);
+
 /// More than the distance of a point of the scene from its centre, in lengths of the scene: √3/2, and a thirtieth of it
 /// for roundings and for axes that are not perpendicular.
 const DEEPEST: f64 = 0.9;
 
-/// The least extent of a packet's places, in lengths of the scene: 2⁻¹⁰. Rays that are closer are one except for
-/// rounding; with a lesser extent, places would be off by more than a sixtieth of a column.
-const LEAST_EXTENT: f64 = 1.0 / (1u64 << 10) as f64;
+/// The least extent of a packet's places, as tangents: 2⁻³¹. Rays that are closer are one except for rounding; with a
+/// lesser extent, places would be off by more than a sixtieth of a column.
+const LEAST_EXTENT: f64 = 1.0 / (1u64 << 31) as f64;
 
 /// An eye close to a scene, in front of it.
 #[derive(Clone, Copy, Debug)]
@@ -65,16 +76,54 @@ pub(in crate::packet) struct NearEye {
     pub(in crate::packet) eye: DVec3,
     /// L.
     length: f64,
-    /// The rows of the map from world space to the camera's axes, which need not be perpendicular except for rounding.
+    /// Its depth in front of the scene's centre.
+    distance: f64,
+    /// The camera's: to the right, up and forward.
+    axes: [DVec3; 3],
+    /// The rows of the map from world space to these axes, which need not be perpendicular except for rounding.
     map: [DVec3; 3],
 }
 
 impl NearEye {
-    /// One for a camera whose rays see the scene from [`FAR`] away; `None` for others.
-    pub(in crate::packet) fn of(accel: &Accel, camera: &Camera) -> Option<Self> {
+    /// One for a lattice whose rays see the scene from [`FAR`] away; `None` for others.
+    pub(in crate::packet) fn of(accel: &Accel, lattice: &Lattice) -> Option<Self> {
         let bounds = accel.tree.bounds.corners();
-        let (eye, _) = relative_origin(camera.pose().eye, accel.origin);
-        Self::before(bounds, eye, camera)
+        let (eye, _) = relative_origin(lattice.camera.pose().eye, accel.origin);
+        let near = Self::before(bounds, eye, &lattice.camera)?;
+        let (right, bottom) = (
+            lattice.columns.checked_sub(1)?,
+            lattice.rows.checked_sub(1)?,
+        );
+        let pass = |(column, row)| {
+            let ray = lattice.ray(column, row);
+            let ray = accel.prepare(&ray, Cull::None, Precision::Exact)?;
+            near.pass(&ray)
+        };
+        let [first, middle, last] = [(0, 0), (right / 2, bottom / 2), (right, bottom)].map(pass);
+        let columns = f64::from(right.max(bottom).max(1));
+        Some(near.before_rays([first?, middle?, last?].map(|ray| ray.from_eye), columns))
+    }
+
+    /// One before the point where a lattice's middle ray passes the scene, from where errors of its packets are least.
+    /// Given are the points, from this eye, where its first, its middle and its last ray pass, which are so many columns
+    /// apart. Where the middle ray passes beside the scene, this one.
+    fn before_rays(self, points: [DVec3; 3], columns: f64) -> Self {
+        let [first, middle, last] = points.map(|point| self.map.map(|row| row.dot(point)));
+        let [right, up, _] = middle;
+        if greater(right.abs(), up.abs()) > self.length {
+            return self;
+        }
+        let extent = greater((last[0] - first[0]).abs(), (last[1] - first[1]).abs());
+        // The sum of both errors is least where they are equal.
+        let share = extent / (columns * self.length);
+        let lengths = (share / ERROR_RATIO).sqrt();
+        let distance = lengths.clamp(LEAST_DISTANCE, DISTANCE) * self.length;
+        let [to_right, to_up, forward] = self.axes;
+        Self {
+            eye: self.eye + to_right * right + to_up * up + forward * (self.distance - distance),
+            distance,
+            ..self
+        }
     }
 
     /// One before a box, for a camera whose eye relative to the box's frame is this.
@@ -97,6 +146,8 @@ impl NearEye {
         (is_far && is_ahead && length > 0.0).then(|| Self {
             eye: centre - forward * (DISTANCE * length),
             length,
+            distance: DISTANCE * length,
+            axes,
             map: [0, 1, 2].map(|axis| axes[(axis + 1) % 3].cross(axes[(axis + 2) % 3]) / volume),
         })
     }
@@ -111,7 +162,7 @@ impl NearEye {
             along: axis.dot(ray.ray.direction),
             from_eye,
             error: ray.start_error,
-            depth: DEEPEST * self.length + (axis.dot(from_eye) - DISTANCE * self.length).abs(),
+            depth: DEEPEST * self.length + (axis.dot(from_eye) - self.distance).abs(),
         })
     }
 
@@ -199,7 +250,7 @@ impl Places {
         }
         self.view = camera.unit_perspective();
         let extent = greater(across.1 - across.0, along.1 - along.0);
-        let lacking = greater(LEAST_EXTENT / DISTANCE - extent, 0.0);
+        let lacking = greater(LEAST_EXTENT - extent, 0.0);
         self.window = Window { across, along }.grown(0.5 * lacking);
         self.place();
         self.bound(lanes);
@@ -240,19 +291,27 @@ mod tests {
                 up,
             };
             let projection = [Projection::Perspective, Projection::Orthographic][round / 2 % 2];
-            let plane = ImagePlane::new(32, 32, length / 16.0).expect("a good plane");
+            // The whole scene, or a part of it.
+            let magnified = [1.0, random.decades(-6.0, 0.0)][round / 4 % 2];
+            let plane = ImagePlane::new(32, 32, length / 16.0 * magnified).expect("a good plane");
             let camera = Camera::new(pose, projection, plane);
             let near = NearEye::before(bounds, eye, &camera).expect("a scene far away");
             let (x, y) = (random.unit() * 32.0, random.unit() * 32.0);
             let ray = camera.ray(x, y);
-            let prepared = PreparedRay::new(&ray, DVec3::ZERO, Cull::None, Precision::Exact)
-                .expect("a valid ray")
-                .close_to(bounds);
-            let (x, y) = (random.unit() * 32.0, random.unit() * 32.0);
-            let known =
-                PreparedRay::new(&camera.ray(x, y), DVec3::ZERO, Cull::None, Precision::Exact)
-                    .and_then(|ray| near.pass(&ray.close_to(bounds)))
-                    .expect("a ray from far away");
+            let prepare = |ray: &Ray| {
+                PreparedRay::new(ray, DVec3::ZERO, Cull::None, Precision::Exact)
+                    .expect("a valid ray")
+                    .close_to(bounds)
+            };
+            let prepared = prepare(&ray);
+            let pass = |near: &NearEye, (x, y)| {
+                let ray = prepare(&camera.ray(x, y));
+                near.pass(&ray).expect("a ray from far away")
+            };
+            let points = [(0.5, 0.5), (16.0, 16.0), (31.5, 31.5)];
+            let points = points.map(|place| pass(&near, place).from_eye);
+            let near = near.before_rays(points, 31.0);
+            let known = pass(&near, (random.unit() * 32.0, random.unit() * 32.0));
             let [across, along, off] = near.place(&known, &ray);
             let closest = prepared.skipped.expect("a start close to the scene");
             let parameter = closest + (random.signed() * 0.87 * length).into();
