@@ -113,7 +113,7 @@ impl<'a> Decisions<'a> {
 
     /// Begins a packet: triangles are ordered, and cut, along its rays.
     pub(super) fn set_rays(&mut self, space: &PacketSpace, packet: &RayRect) {
-        (self.ray_starts).set_rays(packet, (space.reference, space.reference_error));
+        self.ray_starts.set_rays(packet, space);
         self.plane_orders.set_rays(space);
         self.planes_along_rays.clear();
         let planes = self.planes_at_eye.iter();
@@ -162,6 +162,13 @@ impl<'a> Decisions<'a> {
                 }
             }
         }
+    }
+
+    /// Whether all of the packet's rays, which are parallel, surely start in front of a triangle's plane, or behind it: then
+    /// none hits the triangle.
+    #[inline(never)]
+    pub(super) fn start_all_in_front(&self, primitive: u32) -> Option<bool> {
+        (self.ray_starts).all_in_front(self.accel.corners(primitive))
     }
 
     /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys

@@ -85,10 +85,10 @@ impl IntervalZBuffer {
             self.overflowed |= set_up.overflows;
         }
         let any_rough = set_up.is_rough.iter().fold(false, |any, &is| any | is);
-        let never_hit = if any_rough {
+        let [never_hit, _] = if any_rough {
             self.refine(space, &mut set_up, corners, primitives, decisions)
         } else {
-            0
+            [0; 2]
         };
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
             if never_hit >> l & 1 != 0 || set_up.boxes[l].right < 0 {

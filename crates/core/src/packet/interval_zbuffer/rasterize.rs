@@ -27,8 +27,9 @@ const CELL_FIRST_ROW: u32 = 0x0f;
 pub(super) const CONTESTED: u8 = 2 * ROW as u8;
 
 impl IntervalZBuffer {
-    /// Sets rough triangles up again with componentwise bounds. Returns, as bits, the triangles that exact arithmetic
-    /// proves no ray to hit; only those are examined that are ill-conditioned, or on which orthographic rays may start.
+    /// Sets rough triangles up again with componentwise bounds. Returns, as bits, the triangles that surely no ray hits, and
+    /// those in front of which surely all rays start; only those are examined that are ill-conditioned, or on which
+    /// orthographic rays may start.
     #[inline(never)]
     pub(super) fn refine(
         &mut self,
@@ -37,7 +38,7 @@ impl IntervalZBuffer {
         corners: &CornerLanes,
         primitives: &[u32],
         decisions: &mut Decisions<'_>,
-    ) -> u32 {
+    ) -> [u32; 2] {
         let mut which = 0;
         if decisions.are_exact() {
             for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
@@ -59,16 +60,23 @@ impl IntervalZBuffer {
             dispatch(decisions.simd(), work);
             self.overflowed |= set_up.overflows;
         }
-        let mut never_hit = 0;
+        let [mut never_hit, mut in_front] = [0; 2];
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
-            let may_start_on = decisions.are_exact()
+            if set_up.boxes[l].right < 0 {
+                continue;
+            }
+            let mut may_start_on = decisions.are_exact()
                 && self.start_keys[0] != f32::INFINITY
                 && set_up.may_touch(l, self.start_keys);
-            let is_doubtful =
-                set_up.boxes[l].right >= 0 && (set_up.ill_conditioned[l] || may_start_on);
+            if may_start_on && let Some(are_in_front) = decisions.start_all_in_front(primitive) {
+                may_start_on = false;
+                in_front |= u32::from(are_in_front) << l;
+                never_hit |= u32::from(!are_in_front) << l;
+            }
+            let is_doubtful = set_up.ill_conditioned[l] || may_start_on;
             never_hit |= u32::from(is_doubtful && decisions.is_never_hit(primitive)) << l;
         }
-        never_hit
+        [never_hit, in_front]
     }
 
     /// Empties the bounds of rough triangles that are occluded by as much as is known of their depths: they need not be
@@ -108,18 +116,23 @@ impl IntervalZBuffer {
         if any_rough {
             self.cull_rough(&mut set_up);
         }
-        let never_hit = if any_rough || self.start_keys[0] != f32::INFINITY {
+        let start_keys = self.start_keys;
+        let [never_hit, in_front] = if any_rough || start_keys[0] != f32::INFINITY {
             self.refine(space, &mut set_up, corners, primitives, decisions)
         } else {
-            0
+            [0; 2]
         };
         for (l, &primitive) in primitives.iter().enumerate().take(LANES) {
+            if in_front >> l & 1 != 0 {
+                self.start_keys = [f32::INFINITY; 2];
+            }
             if never_hit >> l & 1 == 0
                 && (decisions.clip().is_empty()
                     || !self.rasterize_cut(&set_up, (l, primitive), decisions))
             {
                 self.rasterize_one(lanes, &set_up, (l, primitive), &[], decisions);
             }
+            self.start_keys = start_keys;
         }
         self.update_hi_z(lanes);
     }
