@@ -70,8 +70,8 @@ cases! {
     eye_at_a_cones_apex eye_at_a_vertex_of_many eye_on_an_edge_of_many eye_in_planes_of_many
     eye_next_to_a_vertex_of_many coincident_triangles copies_of_a_mesh exponents_of_any_size
     eye_among_triangles_of_any_size thin_boxes_behind_one_another tiny_and_far rays_closer_than_roundings
-    rays_roundings_apart_at_an_edge triangles_about_a_corner_from_far_away layers_in_one_plane
-    layers_a_rounding_apart layers_apart_by_subnormal_numbers eye_next_to_a_corner_of_layers
+    rays_roundings_apart_at_an_edge triangles_about_a_corner_from_far_away
+    part_of_a_scene_from_far_away layers_in_one_plane layers_a_rounding_apart layers_apart_by_subnormal_numbers eye_next_to_a_corner_of_layers
     eye_at_a_vertex_of_thousands_far_from_the_origin eye_between_layers
     eye_a_subnormal_number_from_planes rays_through_edges_of_one_plane
     triangles_of_a_rounded_plane layers_that_cross_by_subnormal_numbers

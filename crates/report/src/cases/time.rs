@@ -11,11 +11,11 @@ pub use hunted::hunted;
 pub use scene_pair::{ScenePair, SceneView};
 use scenes::{
     about_eye, between_layers, closer_than_roundings, coincident, cone, crossing_layers, exponents,
-    far_fan, far_vertex, flat_disc, inside_needle, integer_plane, mesh_copies, next_to_discs,
-    next_to_fan, next_to_grid_plane, next_to_layers, next_to_planes, next_to_tilted_layers,
-    next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane, roundings_apart,
-    shared_edge, shared_plane, shared_vertex, subnormal_layers, thin_boxes, tilted_layers,
-    tiny_and_far,
+    far_fan, far_part, far_vertex, flat_disc, inside_needle, integer_plane, mesh_copies,
+    next_to_discs, next_to_fan, next_to_grid_plane, next_to_layers, next_to_planes,
+    next_to_tilted_layers, next_to_vertex, one_plane, ray_plane, rounded_layers, rounded_plane,
+    roundings_apart, shared_edge, shared_plane, shared_vertex, subnormal_layers, thin_boxes,
+    tilted_layers, tiny_and_far,
 };
 
 /// The greatest ratio that the times of hostile and of ordinary triangles should have.
@@ -53,6 +53,7 @@ pub const TIMED_CASES: &[TimedCase] = &[
     timed("rays_closer_than_roundings", closer_than_roundings),
     timed("rays_roundings_apart_at_an_edge", roundings_apart),
     timed("triangles_about_a_corner_from_far_away", far_fan),
+    timed("part_of_a_scene_from_far_away", far_part),
     timed("layers_in_one_plane", one_plane),
     timed("layers_a_rounding_apart", rounded_layers),
     timed("layers_apart_by_subnormal_numbers", subnormal_layers),
@@ -182,6 +183,12 @@ pub(super) const CASES: &[Case] = &[
         far_fan,
         (24, 18),
         "6,000 large triangles about a corner, from 1e13 of their lengths away: cast alone, a ray meets most of them."
+    ),
+    case!(
+        "part_of_a_scene_from_far_away",
+        far_part,
+        (24, 18),
+        "A hundred-thousandth of 125 triangles whose coordinates have random exponents, from a billion of their lengths away: rays are as close together there as they are rounded."
     ),
     case!(
         "layers_in_one_plane",

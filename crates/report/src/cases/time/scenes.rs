@@ -196,6 +196,16 @@ pub(super) fn far_fan() -> ScenePair {
     }
 }
 
+/// A part of some 1e-5 of a scene, whose coordinates have random exponents, from a billion of its lengths away: rays are as
+/// far apart there as directions are rounded.
+pub(super) fn far_part() -> ScenePair {
+    let mut random = Random::new(620);
+    let mut number = || random.between(-1.0, 1.0).signum() * random.decade(-16.0, 4.2);
+    let triangles = triangles_on(125, || DVec3::new(number(), number(), number()));
+    let eye = DVec3::new(1.0, 2.0, 4.0) * 4e12;
+    ordinary_pair((eye, DVec3::ZERO, 0.14), &triangles)
+}
+
 /// Slices of a disc about the view axis, which meet it at heights of their own, seen from between these: as flat as
 /// doubles can tell, and as deep as wide.
 pub(super) fn flat_disc() -> ScenePair {
