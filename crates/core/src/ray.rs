@@ -54,7 +54,7 @@ pub(crate) fn relative_origin(origin: DVec3, frame: DVec3) -> (DVec3, f64) {
     (relative, if is_exact { 0.0 } else { error })
 }
 
-/// [`relative_origin`] in a third of the time, with the same bound where the difference is exact.
+/// [`relative_origin`], with the bound of a difference that is rounded where it is exact too.
 #[inline(always)]
 pub(crate) fn rounded_origin(origin: DVec3, frame: DVec3) -> (DVec3, f64) {
     let relative = origin - frame;

@@ -20,7 +20,7 @@
 //!   The last sum rounds by ε(|f| + G), division by the length by as much, and what comes before rounds the place's
 //!   terms by 5ε: a ray's direction is off by 2ε|f| + 7εG, d by ε|f| + 6εG, and i·a + j·b by 2εG.
 //! * **Functions.** m·d rounds by 3ε(|f| + G)·|m|; steps round three times, and three more where a function is moved to
-//!   another place: 6εG·|m|. Moving rounds the sum by 2ε of itself too, and its scale by ε: a hundredth of what is
+//!   another place: 6εG·|m|. Moving rounds the sum by 2ε of itself too, and its scale by ε: far less than what is
 //!   left of [`LINEAR_ERROR`]. Together with 2ε for closer factors (below) (8ε|f| + 26εG)·|m| is taken.
 //!   Orthographic rays run along d itself: 3ε|d|, and the steps' roundings are taken for eight.
 //! * **Depth.** The product of a corner and a vector is off by the vector's error by |P| + η, by η times the vector, and by
