@@ -33,9 +33,11 @@
 //!
 //! * **Closer factors.** From an eye that is not off, P₀·n is computed again where its sign is not clear, and P×Q where an
 //!   edge function is off by more than [`RECOMPUTE_ABOVE`] of itself, and than rays' own roundings move it: planes, or
-//!   edges' lines, that pass the eye within roundings. In double-double arithmetic, or exactly where that does not suffice, P×Q is off by 2ε of itself, which
-//!   is counted along rays. Untested, because dominated: P₀·n's error is far below [`LINEAR_ERROR`], by which the key is
-//!   off too.
+//!   edges' lines, that pass the eye within roundings. In double-double arithmetic, or exactly where that does not
+//!   suffice, P×Q is off by 2ε of itself, which is counted along rays. Untested, because dominated: P₀·n's error is far
+//!   below [`LINEAR_ERROR`], by which the key is off too.
+//! * **Untested:** roundings of products with corners, with parallel rays' direction and with steps. Where they are
+//!   largest, what cross products' own errors leave has covered them in all tests.
 //!
 //! An edge function that is surely negative in all of a triangle's bounds ends the set-up: no ray hits the triangle.
 //!

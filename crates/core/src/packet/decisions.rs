@@ -164,8 +164,8 @@ impl<'a> Decisions<'a> {
         }
     }
 
-    /// Whether all of the packet's rays, which are parallel, surely start in front of a triangle's plane, or behind it: then
-    /// none hits the triangle.
+    /// Whether all of the packet's rays, which are parallel, start in front of a triangle's plane, or all behind it, so that
+    /// none hits the triangle; `None` where neither is sure.
     #[inline(never)]
     pub(super) fn start_all_in_front(&self, primitive: u32) -> Option<bool> {
         (self.ray_starts).all_in_front(self.accel.corners(primitive))

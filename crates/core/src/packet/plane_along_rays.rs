@@ -6,11 +6,11 @@
 //! sure: if the eye lies on the plane, it goes by the ray alone.
 //!
 //! # Error bound
-//! u = 2⁻²⁴; directions' error is that of [`componentwise_setup`](super::componentwise_setup). The depth key is off by κ and at most K in
-//! its triangle's bounds, relative to its reference ρ, which becomes a part of the linear function. That has the magnitude N,
-//! and is evaluated within [`LINEAR_ERROR`]·N; directions' error moves it. The factor of the key, its product,
-//! and the sum are rounded once each: with G the factor, 3u·G·K + u·(G·K + N), to which come G·κ and the error of g by
-//! K + κ + ρ. All is divided by G·K + N, so that single precision's range holds it.
+//! u = 2⁻²⁴. The depth key is off by κ and at most K in its triangle's bounds, relative to its reference ρ, which becomes
+//! a part of the linear function. That has the magnitude N, and is evaluated within [`LINEAR_ERROR`]·N; to this comes the
+//! error of products with directions ([`componentwise_setup`](super::componentwise_setup)). The factor of the key, its
+//! product, and the sum are rounded once each: with G the factor, 3u·G·K + u·(G·K + N), to which come G·κ and the error of
+//! g by K + κ + ρ. All is divided by G·K + N, so that single precision's range holds it.
 //!
 //! Where the sum is close to zero G·K and N are equal, and 4u·G·K is a twelfth of what evaluation takes: no test shows
 //! it.

@@ -152,7 +152,7 @@ impl RayStarts {
         [in_front, behind]
     }
 
-    /// Whether all rays of the packet surely start in front of a triangle's plane, or all behind it.
+    /// Whether all rays of the packet start in front of a triangle's plane, or all behind it; `None` where neither is sure.
     pub(super) fn all_in_front(&self, corners: [Vec3; 3]) -> Option<bool> {
         let lattice = self.lattice.as_ref()?;
         let plane = Plane::new(corners).turned_along(lattice.camera.forward(), 0.0)?;

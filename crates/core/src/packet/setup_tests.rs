@@ -418,8 +418,7 @@ fn depth_keys_of_steep_triangles_are_within_their_bounds() {
 }
 
 /// An edge of a triangle much larger than the packet goes through it, far from the point that corners are relative
-/// to: the eye's position there is rounded by more than the packet's width. Without the eye's error this fails, and
-/// without most of the componentwise terms.
+/// to: the eye's position there is rounded by more than the packet's width. Without the eye's error this fails.
 #[test]
 fn edges_far_from_the_origin_are_decided_only_where_it_is_sure() {
     let mut random = Random(79);
