@@ -1,7 +1,7 @@
 //! Hits of many rays.
 
 use crate::hit::{MISS, PrimitiveHit};
-use crate::num::simd::LANES;
+use crate::num::simd::{LANES, Lanes, Mask8};
 
 /// The closest hits of many rays, in structure-of-arrays order.
 ///
@@ -95,19 +95,11 @@ pub(crate) struct Runs<'a> {
 
 /// The runs of eight rays' primitives.
 #[inline(always)]
-pub(crate) fn runs(primitives: &[u32; LANES]) -> Runs<'_> {
-    // Most often there is one.
-    if *primitives == [primitives[0]; LANES] {
-        let starts = u32::from(primitives[0] != MISS);
-        return Runs { primitives, starts };
-    }
-    let mut starts = 0;
-    let mut last = MISS;
-    for (lane, &primitive) in primitives.iter().enumerate() {
-        let is_start = (primitive != last) & (primitive != MISS);
-        starts |= u32::from(is_start) << lane;
-        last = primitive;
-    }
+pub(crate) fn runs(lanes: impl Lanes, primitives: &[u32; LANES]) -> Runs<'_> {
+    let [a, b, c, d, e, f, g, _] = *primitives;
+    let before = [MISS, a, b, c, d, e, f, g];
+    let are_misses = lanes.equal(primitives, &[MISS; LANES]);
+    let starts = !(lanes.equal(primitives, &before) | are_misses).bits() & 0xff;
     Runs { primitives, starts }
 }
 
@@ -139,6 +131,7 @@ pub(crate) fn any_misses(primitives: &[u32; LANES]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::simd::Plain;
 
     #[test]
     fn a_miss_is_found_in_any_lane() {
@@ -153,7 +146,7 @@ mod tests {
     #[test]
     fn runs_are_of_neighbours_with_one_primitive_and_skip_misses() {
         let found = |primitives: [u32; LANES]| -> Vec<(u32, usize)> {
-            let runs = runs(&primitives);
+            let runs = runs(Plain, &primitives);
             runs.map(|run| (run.primitive, run.first)).collect()
         };
         assert_eq!(found([MISS; LANES]), []);

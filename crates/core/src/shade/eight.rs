@@ -300,7 +300,7 @@ impl TileShader<'_> {
     #[inline(always)]
     fn flat_colors<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let one = Vectors::splat(lanes, facet.color * facet.light);
             colors = colors.replaced(lanes.mask_from(run.first), one);
@@ -312,7 +312,7 @@ impl TileShader<'_> {
     #[inline(always)]
     fn flat_light<L: Lanes>(&mut self, lanes: L, primitives: &[u32; LANES]) -> Vectors<L> {
         let mut light = Vectors::splat(lanes, Vec3::ZERO);
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let one = self.facet(run.primitive, 0.0).light;
             let from = lanes.mask_from(run.first);
             light = light.replaced(from, Vectors::splat(lanes, one));
@@ -329,7 +329,7 @@ impl TileShader<'_> {
         (u, v): (L::F32, L::F32),
     ) -> [L::F32; 2] {
         let mut corners = [lanes.splat(0.0); 6];
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let from = lanes.mask_from(run.first);
             let [a, b, c] = facet.uvs.unwrap_or_default();
@@ -358,7 +358,7 @@ impl TileShader<'_> {
             return Vectors::load(lanes, &self.one_by_one(rays, place, hits, own));
         }
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        for run in runs(hits.primitives) {
+        for run in runs(lanes, hits.primitives) {
             let color = self.facet(run.primitive, 0.0).color;
             let from = lanes.mask_from(run.first);
             colors = colors.replaced(from, Vectors::splat(lanes, color));
@@ -380,7 +380,7 @@ impl TileShader<'_> {
         let zero = lanes.splat(0.0);
         let (mut metallic, mut roughness, mut is_unlit) = (zero, zero, zero);
         let mut emission = Vectors::splat(lanes, Vec3::ZERO);
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let from = lanes.mask_from(run.first);
             let material = shader.plain_reflectance(self.facet(run.primitive, 0.0));
             metallic = from.select(lanes.splat(material.factors[0]), metallic);

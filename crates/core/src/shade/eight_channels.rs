@@ -142,7 +142,7 @@ impl<'c, R: Iterator<Item = Channels<'c>>> Work for FillChannels<'_, '_, '_, R> 
                 .copy_from_slice(&hits.t[begin..begin + width]);
             for left in (0..width).step_by(COLUMNS) {
                 let primitives = hits.row(begin + left, COLUMNS.min(width - left));
-                for span in spans(primitives) {
+                for span in spans(lanes, primitives) {
                     let samples = left + span.first..left + span.end;
                     if span.primitive == MISS {
                         channels.misses(samples);

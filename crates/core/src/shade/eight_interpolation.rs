@@ -39,7 +39,7 @@ impl TileShader<'_> {
         let mut weights = [lanes.splat(0.0); 3];
         let mut distances = [lanes.splat(0.0); 2];
         let mut is_wanted = false;
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let facet = self.facet(run.primitive, 0.0);
             // Of a scene with textures few triangles may have one.
             if !wants_all && facet.texture.is_none() {
@@ -98,7 +98,7 @@ impl TileShader<'_> {
         let (xs, y) = (rays.columns(column), rays.row(row));
         let (mut normal, mut colors) = (zero, zero);
         let mut turns = false;
-        for run in runs(hits.primitives) {
+        for run in runs(lanes, hits.primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let linear = facet.linear_normal.as_ref()?;
             turns |= linear.turns();
@@ -110,7 +110,7 @@ impl TileShader<'_> {
         let mut inverse = one / normal.length();
         if turns {
             let (mut flat, mut may_turn) = (zero, none);
-            for run in runs(hits.primitives) {
+            for run in runs(lanes, hits.primitives) {
                 let facet = self.facet(run.primitive, 0.0);
                 let from = lanes.mask_from(run.first);
                 flat = flat.replaced(from, Vectors::splat(lanes, facet.normal));
@@ -132,7 +132,7 @@ impl TileShader<'_> {
     ) -> (Vectors<L>, Vectors<L>) {
         let mut normals = Vectors::splat(lanes, Vec3::ZERO);
         let mut colors = normals;
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let from = lanes.mask_from(run.first);
             normals = normals.replaced(from, Vectors::splat(lanes, facet.normal));
@@ -155,7 +155,7 @@ impl TileShader<'_> {
         }
         let mut facets = Facets::none(lanes);
         let mut colors = Vectors::splat(lanes, Vec3::ZERO);
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let from = lanes.mask_from(run.first);
             facets = facets.replaced(from, Facets::one(lanes, facet));

@@ -55,7 +55,7 @@ impl TileShader<'_> {
         let (xs, y) = (rays.columns(column), rays.row(row));
         let mut coverage = lanes.splat(0.0);
         let mut color = Vectors::splat(lanes, shader.lines.color_of(LineStyle::Plain));
-        for run in runs(primitives) {
+        for run in runs(lanes, primitives) {
             let facet = self.facet(run.primitive, xs[0]);
             let from = lanes.mask_from(run.first);
             let mut covered = [0.0; LANES];

@@ -81,7 +81,7 @@ impl TileShader<'_> {
         let mut is_shared = !shader.filter().has_footprint() && hits.weights.is_some();
         let mut is_textured = zero;
         let mut corners = [zero; 18];
-        for run in runs(hits.primitives) {
+        for run in runs(lanes, hits.primitives) {
             let facet = self.facet(run.primitive, 0.0);
             let from = lanes.mask_from(run.first);
             let mut textured = 0.0;

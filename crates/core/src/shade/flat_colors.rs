@@ -32,7 +32,7 @@ impl Work for LightTriangles<'_, '_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let Self { shader, known, .. } = self;
-        let unknown = known.unknown(self.samples);
+        let unknown = known.unknown(lanes, self.samples);
         let corners = (shader.accel()).eight_corners::<true>(lanes, &unknown.primitives);
         let Directions { normals, to_eye } = Directions::of(shader, &corners);
         let light = shader.light(

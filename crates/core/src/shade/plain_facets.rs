@@ -45,7 +45,7 @@ impl Work for PreparePlainFacets<'_, '_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
         let Self { shader, known, .. } = self;
-        let unknown = known.unknown(self.samples);
+        let unknown = known.unknown(lanes, self.samples);
         let corners = shader
             .accel()
             .eight_corners::<true>(lanes, &unknown.primitives);

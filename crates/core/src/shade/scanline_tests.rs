@@ -9,7 +9,7 @@ use crate::bvh::Accel;
 use crate::camera::{Camera, ImagePlane, Pose, Projection, Rect};
 use crate::hit::{Cull, MISS, Precision};
 use crate::hits::Hits;
-use crate::num::simd::Simd;
+use crate::num::simd::{Plain, Simd};
 use crate::random::Random;
 use crate::scene::{Attribute, Color, ColorRule, Mesh, MeshData, Object, Scene, Texture};
 use glam::{DVec3, Vec2, Vec3};
@@ -317,7 +317,7 @@ fn compare(scene: &Scene, (projection, x): (Projection, f64), shadings: &[Shadin
     let mut counts = Counts::default();
     for row in hits.primitives.chunks(rect.width as usize) {
         for some in row.chunks(COLUMNS) {
-            let spans = spans(some);
+            let spans = spans(Plain, some);
             if short_spans::are_worth_it(spans.len(), some.len()) {
                 let short = |span: &Span| span.end - span.first <= short_spans::LONGEST;
                 let short = spans.filter(|span| span.primitive != MISS && short(span));

@@ -82,6 +82,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
             mut picture,
         } = self;
         let shader = tile.shader();
+        let [_, _, down] = shader.to_eye();
         let width = lattice.columns as usize;
         let mut numbers = [Numbers::all(0.0); NUMBERS];
         let mut textures = colors.have_textures().then(RowTextures::new);
@@ -126,6 +127,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     primitives,
                     ahead,
                     y,
+                    down: *down * y as f32,
                 };
                 let count = primitives.len();
                 if pixels.is_empty() {
@@ -179,6 +181,8 @@ struct Scanline<'r, 's, 'h> {
     /// They, and those of the samples after them.
     ahead: &'h [u32],
     y: f64,
+    /// What depends on the row of the direction to the eye.
+    down: Vec3,
 }
 
 impl<'s> Scanline<'_, 's, '_> {
@@ -192,7 +196,7 @@ impl<'s> Scanline<'_, 's, '_> {
             first: count,
             end: count,
         };
-        let mut spans = spans(self.primitives);
+        let mut spans = spans(lanes, self.primitives);
         let are_many = spans.len() >= LANES as u32;
         let is_plain =
             are_many && matches!(self.colors, RowColors::Facets) && self.coverages.is_none();
@@ -236,7 +240,7 @@ impl<'s> Scanline<'_, 's, '_> {
                     }
                 }
             } else if !self.interpolate(lanes, span) {
-                alone |= (u64::MAX >> (COLUMNS - (span.end - span.first))) << span.first;
+                alone |= span.bits();
             }
         }
         if alone != 0 {

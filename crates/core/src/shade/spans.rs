@@ -1,6 +1,6 @@
 //! Spans of neighbouring samples of a row that show one triangle, or none.
 
-use crate::num::simd::LANES;
+use crate::num::simd::{LANES, Lanes, Mask8};
 
 /// The most samples of a row whose spans are found at once: a row of a tile of the usual size.
 pub(super) const COLUMNS: usize = 64;
@@ -13,6 +13,14 @@ pub(super) struct Span {
     pub(super) end: usize,
 }
 
+impl Span {
+    /// A bit for each of its samples.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u64 {
+        (u64::MAX >> (COLUMNS - (self.end - self.first))) << self.first
+    }
+}
+
 /// The spans of a row, from left to right.
 pub(super) struct Spans<'h> {
     primitives: &'h [u32],
@@ -22,19 +30,19 @@ pub(super) struct Spans<'h> {
 
 /// The spans of at most [`COLUMNS`] samples; those beyond are left out.
 #[inline(always)]
-pub(super) fn spans(primitives: &[u32]) -> Spans<'_> {
+pub(super) fn spans(lanes: impl Lanes, primitives: &[u32]) -> Spans<'_> {
     let primitives = &primitives[..primitives.len().min(COLUMNS)];
     let count = primitives.len();
     let mut starts = u64::from(count > 0);
     // Without a branch, and eight at once: most rows have a span every few samples.
     let mut at = 1;
     while at + LANES <= count {
-        starts |= changes(primitives, at) << at;
+        starts |= changes(lanes, primitives, at) << at;
         at += LANES;
     }
     if at < count && count > LANES {
         // Some of these are known already.
-        starts |= changes(primitives, count - LANES) << (count - LANES);
+        starts |= changes(lanes, primitives, count - LANES) << (count - LANES);
     } else {
         for at in at..count {
             starts |= u64::from(primitives[at] != primitives[at - 1]) << at;
@@ -46,13 +54,12 @@ pub(super) fn spans(primitives: &[u32]) -> Spans<'_> {
 /// A bit for each of eight samples, from the one at `at` on, that shows another triangle than the one before it. `at`
 /// is not the first, and there are eight.
 #[inline(always)]
-fn changes(primitives: &[u32], at: usize) -> u64 {
-    let (before, after) = (&primitives[at - 1..][..LANES], &primitives[at..][..LANES]);
-    let mut bits = 0;
-    for lane in 0..LANES {
-        bits |= u32::from(after[lane] != before[lane]) << lane;
+fn changes(lanes: impl Lanes, primitives: &[u32], at: usize) -> u64 {
+    let eight = |at: usize| primitives.get(at..).and_then(<[u32]>::first_chunk);
+    match (eight(at - 1), eight(at)) {
+        (Some(before), Some(after)) => (!lanes.equal(before, after).bits() & 0xff).into(),
+        _ => 0,
     }
-    bits.into()
 }
 
 impl Spans<'_> {
@@ -108,7 +115,16 @@ pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
 mod tests {
     use super::*;
     use crate::MISS;
+    use crate::num::simd::{Simd, Work, dispatch};
     use crate::random::Random;
+
+    struct Collect<'t>(&'t [u32], &'t mut Vec<Span>);
+
+    impl Work for Collect<'_> {
+        fn run(self, lanes: impl Lanes) {
+            self.1.extend(spans(lanes, self.0));
+        }
+    }
 
     /// Against a search one by one, for rows of every length.
     #[test]
@@ -132,7 +148,11 @@ mod tests {
                         }),
                     }
                 }
-                assert_eq!(spans(&primitives).collect::<Vec<_>>(), expected);
+                for simd in Simd::available() {
+                    let mut found = Vec::new();
+                    dispatch(simd, Collect(&primitives, &mut found));
+                    assert_eq!(found, expected);
+                }
             }
         }
     }

@@ -17,21 +17,27 @@ const DARKEST: f32 = 1.0 / 8192.0;
 /// The largest value below one.
 const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// A value's bits, shifted right by this, modulo [`ALL_BUCKETS`], are its bucket's index: 7 bits of the mantissa remain,
-/// and a bucket is a 128th of a binade.
+/// The number of single-precision values in a bucket, a 128th of a binade: the upper half of a value's bits, with 7 bits
+/// of the mantissa, is its bucket's index.
 ///
 /// The least values of neighbouring bytes differ by at least 2.4 / 269 of themselves, more than a 128th: at most one lies
 /// in a bucket.
-const BUCKET_SHIFT: u32 = 23 - 7;
+const BUCKET: u32 = 1 << 16;
 
 /// Buckets from [`DARKEST`] to one: 13 binades.
 const BUCKETS: usize = 13 * 128;
 
-/// The next power of two: an index modulo it needs no bounds check.
-const ALL_BUCKETS: usize = BUCKETS.next_power_of_two();
+/// Indices of 16 bits need no bounds check. The table's memory beyond [`BUCKETS`] is never touched.
+const ALL_BUCKETS: usize = 1 << 16;
 
 /// The index of [`DARKEST`]'s bucket, whose first value it is.
-const FIRST_BUCKET: usize = (DARKEST.to_bits() / BUCKET) as usize % ALL_BUCKETS;
+const FIRST_BUCKET: usize = bucket(DARKEST) as usize;
+
+/// The index of a value's bucket.
+#[inline(always)]
+const fn bucket(value: f32) -> u16 {
+    (value.to_bits() / BUCKET) as u16
+}
 
 /// The sum with an integer from 0 to 2²² has the integer in its lowest bits.
 const WHOLE: f32 = (1 << 23) as f32;
@@ -43,11 +49,11 @@ pub(crate) struct Tables {
     linear: [f32; 256],
     /// For each bucket b · [`BUCKET`] + [`BUCKET`] − n, with b the byte at its lower end and n the offset in the bucket at
     /// which byte b + 1 begins. Adding a value's offset carries into the byte where that is n or more.
-    steps: [u32; ALL_BUCKETS],
+    steps: &'static [u32; ALL_BUCKETS],
 }
 
-/// The number of single-precision values in a bucket.
-const BUCKET: u32 = 1 << BUCKET_SHIFT;
+/// The steps of [`Tables`].
+static STEPS: LazyLock<Box<[u32; ALL_BUCKETS]>> = LazyLock::new(steps);
 
 /// Linear light from an sRGB value, both 0 to 1.
 fn to_linear(value: f64) -> f64 {
@@ -69,24 +75,32 @@ fn begin(byte: u8) -> f32 {
     }
 }
 
+/// The steps of the buckets from [`DARKEST`] to one.
+fn steps() -> Box<[u32; ALL_BUCKETS]> {
+    let begins: [f32; 256] = std::array::from_fn(|byte| begin(byte as u8));
+    let mut steps = vec![0; ALL_BUCKETS];
+    for (index, step) in steps
+        .iter_mut()
+        .enumerate()
+        .skip(FIRST_BUCKET)
+        .take(BUCKETS)
+    {
+        let lower = index as u32 * BUCKET;
+        let reached = |&begin: &f32| begin.to_bits() <= lower;
+        let byte = begins.partition_point(reached) as u32 - 1;
+        let next = begins.get(byte as usize + 1);
+        let next = next.map_or(BUCKET, |next| (next.to_bits() - lower).min(BUCKET));
+        *step = byte * BUCKET + (BUCKET - next);
+    }
+    let steps: Result<Box<[u32; ALL_BUCKETS]>, _> = steps.try_into();
+    steps.expect("the length is that of the array")
+}
+
 impl Tables {
     fn new() -> Self {
-        let begins: [f32; 256] = std::array::from_fn(|byte| begin(byte as u8));
-        let step = |index: usize| {
-            let above = (index + ALL_BUCKETS - FIRST_BUCKET) % ALL_BUCKETS;
-            if above >= BUCKETS {
-                return u32::from(u8::MAX) * BUCKET;
-            }
-            let lower = DARKEST.to_bits() + above as u32 * BUCKET;
-            let reached = |&begin: &f32| begin.to_bits() <= lower;
-            let byte = begins.partition_point(reached) as u32 - 1;
-            let next = begins.get(byte as usize + 1);
-            let next = next.map_or(BUCKET, |next| (next.to_bits() - lower).min(BUCKET));
-            byte * BUCKET + (BUCKET - next)
-        };
         Self {
             linear: std::array::from_fn(|byte| to_linear(byte as f64 / 255.0) as f32),
-            steps: std::array::from_fn(step),
+            steps: &STEPS,
         }
     }
 
@@ -110,9 +124,8 @@ impl Tables {
     /// [`Tables::encode`] of a value from [`DARKEST`] to [`BRIGHTEST`].
     #[inline(always)]
     fn encode_within(&self, linear: f32) -> u8 {
-        let bits = linear.to_bits();
-        let step = self.steps[(bits / BUCKET) as usize % ALL_BUCKETS];
-        ((step + bits % BUCKET) / BUCKET) as u8
+        let step = self.steps[usize::from(bucket(linear))];
+        ((step + linear.to_bits() % BUCKET) / BUCKET) as u8
     }
 
     /// The bytes of eight opaque colours.
@@ -127,12 +140,12 @@ impl Tables {
         let mut bytes = [[0; LANES]; 3];
         for (colors, bytes) in colors.xyz().into_iter().zip(&mut bytes) {
             // In lanes, all but the lookups.
-            *bytes = self.looked_up(&buckets(colors), &colors.shifted_bits(0, BUCKET - 1));
+            *bytes = self.looked_up(&colors.upper_halves(), &colors.lower_halves());
         }
         pack(&bytes, pixels);
     }
 
-    /// The bytes of eight opaque colours [`within`] the tables, whose [`buckets`] are known.
+    /// The bytes of eight opaque colours [`within`] the tables, whose buckets, the [`F32x8::upper_halves`], are known.
     ///
     /// The lookups wait for the buckets, and those for all that the colours follow from. Where buckets come from memory,
     /// written some time ago, the processor looks up one row's while it computes the next one's.
@@ -140,22 +153,22 @@ impl Tables {
     pub(super) fn encode_buckets<L: Lanes>(
         &self,
         colors: Vectors<L>,
-        buckets: [&[u32; LANES]; 3],
+        buckets: [&[u16; LANES]; 3],
         pixels: &mut [[u8; 4]; LANES],
     ) {
         let mut bytes = [[0; LANES]; 3];
         for ((colors, buckets), bytes) in colors.xyz().into_iter().zip(buckets).zip(&mut bytes) {
-            *bytes = self.looked_up(buckets, &colors.shifted_bits(0, BUCKET - 1));
+            *bytes = self.looked_up(buckets, &colors.lower_halves());
         }
         pack(&bytes, pixels);
     }
 
     /// The bytes at these offsets in buckets.
     #[inline(always)]
-    fn looked_up(&self, buckets: &[u32; LANES], offsets: &[u32; LANES]) -> [u32; LANES] {
+    fn looked_up(&self, buckets: &[u16; LANES], offsets: &[u32; LANES]) -> [u32; LANES] {
         let mut steps = [0; LANES];
         for lane in 0..LANES {
-            steps[lane] = self.steps[buckets[lane] as usize % ALL_BUCKETS];
+            steps[lane] = self.steps[usize::from(buckets[lane])];
         }
         let mut bytes = [0; LANES];
         for lane in 0..LANES {
@@ -214,12 +227,6 @@ pub(super) fn within<L: Lanes>(lanes: L, colors: Vectors<L>) -> Vectors<L> {
         .min(Vectors::splat(lanes, Vec3::splat(BRIGHTEST)))
 }
 
-/// The buckets of eight values in the range of the tables.
-#[inline(always)]
-pub(super) fn buckets<V: F32x8>(values: V) -> [u32; LANES] {
-    values.shifted_bits(BUCKET_SHIFT, ALL_BUCKETS as u32 - 1)
-}
-
 /// The nearest bytes of eight colours given in sRGB, 0 to 1.
 #[inline(always)]
 fn displayed_bytes<L: Lanes>(lanes: L, values: Vectors<L>) -> [[u32; LANES]; 3] {
@@ -258,7 +265,7 @@ pub(crate) fn numbers() -> &'static Tables {
 
 static NUMBERS: LazyLock<Tables> = LazyLock::new(|| Tables {
     linear: std::array::from_fn(|byte| (byte as f64 / 255.0) as f32),
-    steps: TABLES.steps,
+    steps: &STEPS,
 });
 
 /// The linear light of a colour that a person chose.

@@ -5,7 +5,7 @@ use super::plain_facets::{PlainFacet, PlainFacets, PreparePlainFacets};
 use super::spans::within;
 use super::{Shader, srgb};
 use crate::camera::{Lattice, Rect};
-use crate::num::simd::{Lanes, Work, dispatch};
+use crate::num::simd::{LANES, Lanes, Mask8, Work, dispatch};
 use crate::{Hits, MISS, PrimitiveHit};
 use glam::DVec3;
 
@@ -247,6 +247,7 @@ impl<'s> TileShader<'s> {
     #[inline(always)]
     fn shade_constant_row(
         &mut self,
+        lanes: impl Lanes,
         (left, y): (u32, u32),
         primitives: &[u32],
         pixels: &mut [[u8; 4]],
@@ -255,38 +256,38 @@ impl<'s> TileShader<'s> {
         self.colors.set(MISS, self.shader.backdrop8(y));
         let count = primitives.len().min(pixels.len());
         let (row, pixels) = (&primitives[..count], &mut pixels[..count]);
-        let (runs, _) = row.as_chunks::<RUN>();
-        for (run, of_run) in runs.iter().enumerate() {
-            let first = run * RUN;
-            let pixels = &mut pixels[first..first + RUN];
-            if *of_run == [of_run[0]; RUN] {
-                pixels.fill(match self.colors.knows(of_run[0]) {
-                    true => *self.colors.get(of_run[0]),
-                    false => self.unknown_color((left, y), primitives, first),
-                });
+        let (eights, rest) = row.as_chunks::<LANES>();
+        let (pixel_eights, pixel_rest) = pixels.as_chunks_mut::<LANES>();
+        for (eight, (of_eight, pixels)) in eights.iter().zip(pixel_eights).enumerate() {
+            let first = eight * LANES;
+            // Most eights show one triangle or two neighbours: one path for both, as which it is cannot be predicted.
+            let [left_end, .., right_end] = *of_eight;
+            let is_left = lanes.equal(of_eight, &[left_end; LANES]);
+            let is_right = lanes.equal(of_eight, &[right_end; LANES]);
+            if (is_left | is_right).bits() == 0xff {
+                let left_color = self.constant_in_row((left, y), primitives, first);
+                let right_color = self.constant_in_row((left, y), primitives, first + LANES - 1);
+                let mut colors = [u32::from_ne_bytes(right_color); LANES];
+                is_left.store(u32::from_ne_bytes(left_color), &mut colors);
+                *pixels = colors.map(u32::to_ne_bytes);
             } else {
-                self.shade_constants((left, y), primitives, first, (of_run, pixels));
+                for (at, pixel) in (first..).zip(pixels) {
+                    *pixel = self.constant_in_row((left, y), primitives, at);
+                }
             }
         }
-        let first = runs.len() * RUN;
-        let rest = (&row[first..], &mut pixels[first..]);
-        self.shade_constants((left, y), primitives, first, rest);
+        let first = eights.len() * LANES;
+        for (at, pixel) in (first..first + rest.len()).zip(pixel_rest) {
+            *pixel = self.constant_in_row((left, y), primitives, at);
+        }
     }
 
-    /// Some pixels of a row, one by one: those from number `first` of `all` on.
+    /// The colour of sample `at` of a row and the rows after it, which begins at a place.
     #[inline(always)]
-    fn shade_constants(
-        &mut self,
-        place: (u32, u32),
-        all: &[u32],
-        first: usize,
-        (primitives, pixels): (&[u32], &mut [[u8; 4]]),
-    ) {
-        for (at, (&primitive, pixel)) in (first..).zip(primitives.iter().zip(pixels)) {
-            *pixel = match self.colors.knows(primitive) {
-                true => *self.colors.get(primitive),
-                false => self.unknown_color(place, all, at),
-            };
+    fn constant_in_row(&mut self, place: (u32, u32), all: &[u32], at: usize) -> [u8; 4] {
+        match self.colors.knows(all[at]) {
+            true => *self.colors.get(all[at]),
+            false => self.unknown_color(place, all, at),
         }
     }
 
@@ -393,7 +394,7 @@ struct ShadePrimitives<'t, 's, 'h, R> {
 
 impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_, '_, R> {
     #[inline(always)]
-    fn run(self, _: impl Lanes) {
+    fn run(self, lanes: impl Lanes) {
         let columns = self.rect.width.max(1) as usize;
         let left = self.rect.x;
         let shader = self.shader;
@@ -406,7 +407,7 @@ impl<'p, R: Iterator<Item = &'p mut [[u8; 4]]>> Work for ShadePrimitives<'_, '_,
                 break;
             }
             if constant && !has_overlay {
-                shader.shade_constant_row((left, y), primitives, pixels);
+                shader.shade_constant_row(lanes, (left, y), primitives, pixels);
             } else if !has_overlay {
                 shader.shade_row(left, y, primitives, pixels);
             } else {

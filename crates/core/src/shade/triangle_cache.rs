@@ -2,7 +2,7 @@
 
 use super::spans::{COLUMNS, Span, spans};
 use crate::MISS;
-use crate::num::simd::LANES;
+use crate::num::simd::{LANES, Lanes};
 
 /// The samples among which triangles are looked for that are not cached: four rows of a tile, but one row where
 /// triangles are large. Where triangles are some twelve pixels large, 7.7 of eight are found on average; in two rows
@@ -54,11 +54,11 @@ impl<T: Copy, const N: usize> TriangleCache<T, N> {
     /// The triangle of the first of some samples of a tile, which is not cached, and up to seven others that samples
     /// after it show. They have entries from here on, whose values [`TriangleCache::set_all`] has to set.
     #[inline(always)]
-    pub(super) fn unknown(&mut self, samples: &[u32]) -> Unknown {
+    pub(super) fn unknown(&mut self, lanes: impl Lanes, samples: &[u32]) -> Unknown {
         let mut primitives = [samples[0]; LANES];
         let mut count = 0;
         'search: for row in samples[..samples.len().min(AHEAD)].chunks(COLUMNS) {
-            let spans = spans(row);
+            let spans = spans(lanes, row);
             let are_large = spans.len() < LANES as u32;
             for Span { primitive, .. } in spans {
                 let (known, _) = &mut self.entries[primitive as usize % N];
@@ -91,6 +91,7 @@ impl<T: Copy, const N: usize> TriangleCache<T, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::simd::Plain;
     use crate::random::Random;
 
     /// Values are those of their triangles, whatever shares an entry.
@@ -111,7 +112,7 @@ mod tests {
                     continue;
                 }
                 if !cache.knows(primitive) {
-                    let unknown = cache.unknown(&samples[at..]);
+                    let unknown = cache.unknown(Plain, &samples[at..]);
                     assert_eq!(unknown.primitives[0], primitive);
                     assert!(!unknown.primitives.contains(&MISS));
                     found += unknown.count;
@@ -129,7 +130,7 @@ mod tests {
     #[test]
     fn next_triangles_are_found_in_the_next_rows() {
         let first_of = |cache: &mut TriangleCache<(), 64>, samples: &[u32]| {
-            let unknown = cache.unknown(samples);
+            let unknown = cache.unknown(Plain, samples);
             unknown.primitives[..unknown.count].to_vec()
         };
         // Small triangles: a span every four samples, of two that come back.

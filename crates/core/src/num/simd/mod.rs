@@ -5,11 +5,13 @@
 //! the bits are the same on each instruction set.
 
 mod plain;
+mod prefetch;
 mod wide;
 
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 use fearless_simd::{Level, Simd as _};
 pub(crate) use plain::Plain;
+pub(crate) use prefetch::prefetch;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// Instruction sets that packets can be cast with, from the plainest to the widest.
@@ -104,8 +106,10 @@ pub(crate) trait F32x8:
     fn max(self, other: Self) -> Self;
     /// Whether each lane is less than `other`'s; false where either is NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// The numbers' bits, shifted to the right; of those, the bits of a mask.
-    fn shifted_bits(self, right: u32, mask: u32) -> [u32; LANES];
+    /// The upper halves of the numbers' bits: sign, exponent, and the first 7 bits of the mantissa.
+    fn upper_halves(self) -> [u16; LANES];
+    /// The lower halves of the numbers' bits.
+    fn lower_halves(self) -> [u32; LANES];
 
     /// The least of the eight, none of which is NaN.
     #[inline(always)]
@@ -145,6 +149,8 @@ pub(crate) trait Lanes: Copy {
     fn splat(self, x: f32) -> Self::F32;
     /// Loads eight from memory.
     fn load(self, from: &[f32; LANES]) -> Self::F32;
+    /// Whether integers are equal, lane by lane.
+    fn equal(self, these: &[u32; LANES], those: &[u32; LANES]) -> Self::Mask;
     /// Transposes an 8 × 8 matrix of rows.
     fn transpose(self, rows: [Self::F32; LANES]) -> [Self::F32; LANES];
     /// Prefetches an item of a slice; out of range it does nothing.

@@ -96,8 +96,12 @@ impl F32x8 for PlainF32 {
         PlainMask(each!(l => self.0[l] < other.0[l]))
     }
     #[inline(always)]
-    fn shifted_bits(self, right: u32, mask: u32) -> [u32; LANES] {
-        each!(l => self.0[l].to_bits() >> right & mask)
+    fn upper_halves(self) -> [u16; LANES] {
+        each!(l => (self.0[l].to_bits() >> 16) as u16)
+    }
+    #[inline(always)]
+    fn lower_halves(self) -> [u32; LANES] {
+        each!(l => self.0[l].to_bits() & 0xffff)
     }
 }
 
@@ -134,6 +138,10 @@ impl Lanes for Plain {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> PlainF32 {
         PlainF32(*from)
+    }
+    #[inline(always)]
+    fn equal(self, these: &[u32; LANES], those: &[u32; LANES]) -> PlainMask {
+        PlainMask(each!(l => these[l] == those[l]))
     }
     #[inline(always)]
     fn transpose(self, rows: [PlainF32; LANES]) -> [PlainF32; LANES] {

@@ -1,14 +1,9 @@
 //! Lanes as vector registers, by `fearless_simd`.
 
-#![allow(
-    unsafe_code,
-    reason = "prefetching takes an address that nothing lends; all else is safe"
-)]
-
 use super::{F32x8, LANES, Lanes, Mask8};
 use fearless_simd::{
-    Bytes, ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdInto, SimdMask, f32x8, mask32x8,
-    u32x8,
+    Bytes, ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdInto, SimdMask,
+    SimdSplit, f32x8, mask32x8, u16x8, u32x8,
 };
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
@@ -57,8 +52,15 @@ impl<S: Simd> F32x8 for f32x8<S> {
         self.simd_lt(other)
     }
     #[inline(always)]
-    fn shifted_bits(self, right: u32, mask: u32) -> [u32; LANES] {
-        *((self.bitcast::<u32x8<S>>() >> right) & mask)
+    fn upper_halves(self) -> [u16; LANES] {
+        let (first, last) = SimdSplit::split(self);
+        let (first, last): (u16x8<S>, u16x8<S>) = (first.bitcast(), last.bitcast());
+        // The odd ones.
+        *first.unzip_high(last)
+    }
+    #[inline(always)]
+    fn lower_halves(self) -> [u32; LANES] {
+        *(self.bitcast::<u32x8<S>>() & 0xffff)
     }
 }
 
@@ -94,6 +96,11 @@ impl<S: Simd> Lanes for S {
         (*from).simd_into(self)
     }
     #[inline(always)]
+    fn equal(self, these: &[u32; LANES], those: &[u32; LANES]) -> Self::Mask {
+        let these: u32x8<S> = (*these).simd_into(self);
+        these.simd_eq(u32x8::simd_from(self, *those))
+    }
+    #[inline(always)]
     fn transpose(self, rows: [Self::F32; LANES]) -> [Self::F32; LANES] {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = self.level().as_avx2() {
@@ -119,14 +126,7 @@ impl<S: Simd> Lanes for S {
     }
     #[inline(always)]
     fn prefetch<T>(self, from: &[T], index: usize) {
-        let address = from.as_ptr().wrapping_add(index);
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            // SAFETY: a prefetch is a hint and never faults; the address is computed without dereferencing it.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) };
-        }
-        let _ = address;
+        super::prefetch(from, index);
     }
 }
 
@@ -229,14 +229,18 @@ mod tests {
                 a.lt(b) & c.lt(d),
                 a.lt(b) | c.lt(d),
                 lanes.mask_from(3),
+                lanes.equal(
+                    &[1, 2, 3, 4, u32::MAX, 6, 7, 8],
+                    &[1, 0, 3, 5, u32::MAX, 6, 8, 8],
+                ),
             ] {
                 let mut all = [1; LANES];
                 mask.store(2, &mut all);
                 self.0.extend(all);
                 self.0.push(mask.bits());
             }
-            self.0.extend(a.shifted_bits(16, 2047));
-            self.0.extend(c.shifted_bits(0, 0xffff));
+            self.0.extend(a.upper_halves().map(u32::from));
+            self.0.extend(c.lower_halves());
             self.0.push(c.reduce_min().to_bits());
         }
     }
@@ -249,7 +253,7 @@ mod tests {
             bits
         };
         let plain = of(Simd::Plain);
-        assert_eq!(plain.len(), (18 + LANES) * LANES + 4 * (LANES + 1) + 1);
+        assert_eq!(plain.len(), (18 + LANES) * LANES + 5 * (LANES + 1) + 1);
         assert_eq!(of(Simd::best()), plain);
     }
 }

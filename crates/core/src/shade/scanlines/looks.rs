@@ -63,9 +63,7 @@ fn lit<L: Lanes>(
         lanes.load(y.eight(at)),
         lanes.load(z.eight(at)),
     ];
-    let [_, _, down] = *shader.to_eye();
-    let down = Vectors::splat(lanes, down).scaled(lanes.splat(row.y as f32));
-    let to_eye = Vectors::new(lanes, along).plus(down);
+    let to_eye = Vectors::new(lanes, along).plus(Vectors::splat(lanes, row.down));
     let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
     let light = shader.light(lanes, normals, to_eye);
     EightSamples::Light(row.vectors(lanes, 3, at).times(light))

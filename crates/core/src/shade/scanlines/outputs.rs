@@ -25,7 +25,7 @@ pub(super) trait Out {
 /// Colours in linear light that are not encoded yet, and their buckets in the tables of [`srgb`].
 pub(super) struct Unencoded {
     colors: [Numbers<f32>; 3],
-    buckets: [Numbers<u32>; 3],
+    buckets: [Numbers<u16>; 3],
     /// Whether there are any.
     is_used: bool,
 }
@@ -59,7 +59,7 @@ impl Out for Bytes<'_, '_> {
                 let rows = unencoded.colors.iter_mut().zip(&mut unencoded.buckets);
                 for ((colors, buckets), light) in rows.zip(light.xyz()) {
                     light.store(colors.eight_mut(at));
-                    *buckets.eight_mut(at) = srgb::buckets(light);
+                    *buckets.eight_mut(at) = light.upper_halves();
                 }
             }
             EightSamples::Display(values) => {

@@ -22,7 +22,7 @@ pub(super) struct WritePlainRow<'r, 's> {
 impl Work for WritePlainRow<'_, '_> {
     #[inline(always)]
     fn run(self, lanes: impl Lanes) {
-        for span in spans(&self.ahead[..self.count]) {
+        for span in spans(lanes, &self.ahead[..self.count]) {
             if span.primitive == MISS {
                 continue;
             }
