@@ -52,6 +52,12 @@ pub(super) enum RowColors {
 }
 
 impl RowColors {
+    /// Whether colours depend on the directions of normals and of the eye.
+    #[inline(always)]
+    pub(super) fn are_lit(self) -> bool {
+        matches!(self, Self::Smooth | Self::Facets | Self::SmoothTextured)
+    }
+
     /// Whether triangles may have textures.
     #[inline(always)]
     pub(super) fn have_textures(self) -> bool {

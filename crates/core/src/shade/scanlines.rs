@@ -25,11 +25,11 @@ use crate::num::simd::{F32x8, LANES, Lanes, Work, dispatch};
 use crate::{MISS, PrimitiveHit};
 use glam::Vec3;
 use looks::{
-    FacetLight, FlatLight, Greys, Look, NormalColors, OwnColorLook, SmoothLight,
-    TextureCoordinates, Weights,
+    FlatLight, Greys, Look, NormalColors, OwnColorLook, SmoothLight, TextureCoordinates, Weights,
 };
 use outputs::{Bytes, Light, Out, Unencoded};
 use plain_rows::WritePlainRow;
+use std::ops::Range;
 
 /// Numbers of a sample, at most: U, V, W and texture coordinates at the corners.
 const NUMBERS: usize = 9;
@@ -85,6 +85,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
         let [_, _, down] = shader.to_eye();
         let width = lattice.columns as usize;
         let mut numbers = [Numbers::all(0.0); NUMBERS];
+        let mut to_eye = [Numbers::all(0.0); 3];
         let mut textures = colors.have_textures().then(RowTextures::new);
         let mut coverages = shader.needs().edges.then(|| Numbers::all(0.0));
         let has_normals = matches!(colors, RowColors::Smooth | RowColors::Normals);
@@ -119,6 +120,7 @@ impl Work for ShadeScanlines<'_, '_, '_, '_> {
                     planar,
                     columns: &columns,
                     numbers: &mut numbers,
+                    to_eye: &mut to_eye,
                     textures: textures.as_mut(),
                     coverages: coverages.as_mut(),
                     short: short.as_mut(),
@@ -168,6 +170,8 @@ struct Scanline<'r, 's, 'h> {
     columns: &'r Columns,
     /// What [`Scanline::interpolate`] has written.
     numbers: &'r mut [Numbers<f32>; NUMBERS],
+    /// Unit vectors to the eye, where colours are lit.
+    to_eye: &'r mut [Numbers<f32>; 3],
     textures: Option<&'r mut RowTextures>,
     /// How much of each sample lines cover, if there are any: plain ones along all edges.
     coverages: Option<&'r mut Numbers<f32>>,
@@ -197,6 +201,9 @@ impl<'s> Scanline<'_, 's, '_> {
             end: count,
         };
         let mut spans = spans(lanes, self.primitives);
+        if self.colors.are_lit() {
+            self.write_to_eye(lanes, spans.shown());
+        }
         let are_many = spans.len() >= LANES as u32;
         let is_plain =
             are_many && matches!(self.colors, RowColors::Facets) && self.coverages.is_none();
@@ -248,6 +255,24 @@ impl<'s> Scanline<'_, 's, '_> {
         }
     }
 
+    /// Writes the unit vectors from some samples to the eye.
+    #[inline(always)]
+    fn write_to_eye<L: Lanes>(&mut self, lanes: L, samples: Range<usize>) {
+        let down = Vectors::splat(lanes, self.down);
+        let [x, y, z] = &self.columns.to_eye;
+        let mut at = samples.start;
+        while at < samples.end {
+            let along = [
+                lanes.load(x.eight(at)),
+                lanes.load(y.eight(at)),
+                lanes.load(z.eight(at)),
+            ];
+            let to_eye = Vectors::new(lanes, along).plus(down).unit();
+            store(to_eye.xyz(), self.to_eye, at);
+            at += LANES;
+        }
+    }
+
     /// Whether a span is so short that its triangle, which is not prepared, is not worth preparing.
     #[inline(always)]
     fn is_short(&self, span: Span) -> bool {
@@ -269,13 +294,14 @@ impl<'s> Scanline<'_, 's, '_> {
         let triangles = samples.triangles(lanes, shader);
         let places = (&samples, &self.columns.x, self.y);
         let normals = triangles.normals(shader, self.planar, places);
+        let normals_xyz = Vectors::load(lanes, &normals.xyz).unit().store();
         let mut alone = 0;
         for (lane, at) in samples.places() {
             if !normals.are_linear[lane] {
                 alone |= 1 << at;
                 continue;
             }
-            for (numbers, normals) in self.numbers.iter_mut().zip(&normals.xyz) {
+            for (numbers, normals) in self.numbers.iter_mut().zip(&normals_xyz.0) {
                 numbers.0[at] = normals[lane];
             }
             if !matches!(self.colors, RowColors::Normals) && !self.has_only_color {
@@ -347,7 +373,7 @@ impl<'s> Scanline<'_, 's, '_> {
                     if let Some(flat) = side {
                         normal = on_side(lanes, normal, flat);
                     }
-                    store(normal.xyz(), numbers, at);
+                    store(normal.unit().xyz(), numbers, at);
                     at += LANES;
                 }
                 if !matches!(self.colors, RowColors::Normals) && !self.has_only_color {
@@ -407,7 +433,7 @@ impl<'s> Scanline<'_, 's, '_> {
             RowColors::Smooth | RowColors::SmoothTextured => {
                 self.color_by(lanes, &SmoothLight, samples, out);
             }
-            RowColors::Facets => self.color_by(lanes, &FacetLight, samples, out),
+            RowColors::Facets => self.color_by(lanes, &SmoothLight, samples, out),
             RowColors::Normals => self.color_by(lanes, &NormalColors, samples, out),
             RowColors::Depth => self.color_by(lanes, &Greys, samples, out),
             RowColors::Barycentric => self.color_by(lanes, &Weights, samples, out),
@@ -468,13 +494,6 @@ impl<'s> Scanline<'_, 's, '_> {
             self.number(lanes, z, at),
         ];
         Vectors::new(lanes, xyz)
-    }
-
-    /// The unit normals of eight samples.
-    #[inline(always)]
-    fn unit_normals<L: Lanes>(&self, lanes: L, at: usize) -> Vectors<L> {
-        let normal = self.vectors(lanes, 0, at);
-        normal.scaled(lanes.splat(1.0) / normal.length())
     }
 
     /// The barycentrics of eight samples.

@@ -17,7 +17,7 @@ use super::own_color::{OwnColors, distance_range};
 use super::ramp::RampRange;
 use super::section::Section;
 use super::sides::Sides;
-use super::smooth;
+use super::smooth::{self, EightLights};
 use super::srgb::{self, Tables};
 use super::texture::texturing::Texturing;
 use super::texture::triplanar::Triplanar;
@@ -57,6 +57,7 @@ pub struct Shader<'a> {
     /// The rays as linear functions of the place; `None` in panoramas and pictures for two eyes.
     planar: Option<PlanarRays>,
     lights: Lights,
+    eight_lights: EightLights,
     /// Whether normals are fetched before they are read.
     prefetches: bool,
     /// Normals by the crease angle of each object that has none of its own; empty where no pixel needs them.
@@ -94,6 +95,7 @@ impl<'a> Shader<'a> {
             ..needs_of(scene, &shading, &own_colors)
         };
         let lines = shading.wireframe.unwrap_or(Wireframe::ALONE);
+        let lights = Lights::new(&camera, shading.lights);
         Self {
             scene,
             accel,
@@ -103,7 +105,8 @@ impl<'a> Shader<'a> {
             eye: camera.pose().eye - accel.origin(),
             to_eye: to_eye(&camera),
             planar: PlanarRays::new(&camera, accel.origin()),
-            lights: Lights::new(&camera, shading.lights),
+            eight_lights: EightLights::new(&lights),
+            lights,
             prefetches: prefetch::is_worth_it(scene, &needs),
             creased: creased(scene, &shading),
             world_normals: world_normals(scene),
@@ -409,7 +412,7 @@ impl<'a> Shader<'a> {
         normal: Vectors<L>,
         to_eye: Vectors<L>,
     ) -> Vectors<L> {
-        smooth::light(lanes, &self.lights, normal, to_eye)
+        self.eight_lights.on(lanes, normal, to_eye)
     }
 
     /// The rays as linear functions of the place, where colours take t, u and v from those.

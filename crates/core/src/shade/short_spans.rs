@@ -7,6 +7,7 @@ use super::Shader;
 use super::facet::facing_normal;
 use super::interpolants::{PlanarRays, SmoothSample};
 use super::numbers::Numbers;
+use super::vectors::Rows;
 use crate::num::simd::{LANES, Lanes};
 use crate::triangle::{CornerLanes, vectors_in_lane};
 use glam::{DVec3, Mat3, Vec3};
@@ -90,7 +91,7 @@ pub(super) struct EightTriangles {
 /// Normals of eight samples.
 pub(super) struct SampleNormals {
     /// Not of unit length.
-    pub(super) xyz: [[f32; LANES]; 3],
+    pub(super) xyz: Rows,
     /// Whether the triangles' normals are linear over the picture; else these are anything.
     pub(super) are_linear: [bool; LANES],
 }
@@ -149,7 +150,7 @@ impl EightTriangles {
             *x = xs.0[place];
         }
         let mut out = SampleNormals {
-            xyz: [[0.0; LANES]; 3],
+            xyz: Rows::ZERO,
             are_linear: [false; LANES],
         };
         let eye = shader.eye();
@@ -202,9 +203,7 @@ impl EightTriangles {
         let (smooth, is_linear) = rays.normal_of(parallel, &sample);
         let has_normals = self.has_normals[lane];
         let normal = if has_normals { smooth } else { flat };
-        out.xyz[0][lane] = normal.x;
-        out.xyz[1][lane] = normal.y;
-        out.xyz[2][lane] = normal.z;
+        out.xyz.set(lane, normal);
         // Triangles without area have another normal of their own.
         out.are_linear[lane] = (is_linear | !has_normals) & (flat != Vec3::ZERO);
     }

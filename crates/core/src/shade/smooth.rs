@@ -4,8 +4,8 @@
 //! the bits are the same.
 
 use super::facet::{Facet, SHORTEST_NORMAL};
-use super::light::{GROUND, Lights, RIM, SKY, Source, WRAP, WRAPPED_KEY};
-use super::vectors::{Row, Vectors};
+use super::light::{Lights, RIM, Source, WRAP, WRAPPED_KEY};
+use super::vectors::{Row, Rows, Vectors};
 use crate::num::simd::{F32x8, Lanes, Mask8};
 use glam::Vec3;
 
@@ -85,37 +85,65 @@ pub(super) fn to_eye<L: Lanes>(lanes: L, to_eye: &[Vec3; 3], (x, y): (&Row, f32)
     let to_eye = splat(*corner)
         .plus(splat(*right).scaled(lanes.load(x)))
         .plus(splat(*down).scaled(lanes.splat(y)));
-    to_eye.scaled(lanes.splat(1.0) / to_eye.length())
+    to_eye.unit()
 }
 
-/// [`Lights::on`] for eight surfaces with these unit normals.
-#[inline(always)]
-pub(super) fn light<L: Lanes>(
-    lanes: L,
-    lights: &Lights,
-    normal: Vectors<L>,
-    to_eye: Vectors<L>,
-) -> Vectors<L> {
-    let splat = |vector| Vectors::splat(lanes, vector);
-    let (zero, one, half) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(0.5));
-    if !lights.is_soft {
-        let above = half + half * normal.dot(splat(lights.up));
-        let mut light = splat(lights.ground).plus(splat(lights.sky - lights.ground).scaled(above));
-        for Source { direction, color } in lights.sources {
-            let direction = direction.map_or(to_eye, splat);
-            light = light.plus(splat(color).scaled(normal.dot(direction).max(zero)));
+/// [`Lights`], with each number in eight lanes: operands of instructions, where copying a number to all lanes takes an
+/// instruction of its own, and registers are too few to keep the copies.
+#[derive(Clone, Debug)]
+pub(super) struct EightLights {
+    is_soft: bool,
+    /// Directions, `None` for the eye's, and colours.
+    sources: [(Option<Rows>, Rows); 3],
+    up: Rows,
+    ground: Rows,
+    /// What light from the sky is more than that from the ground.
+    more: Rows,
+    /// [`WRAP`], [`WRAPPED_KEY`] and [`RIM`].
+    soft: Rows,
+}
+
+impl EightLights {
+    pub(super) fn new(lights: &Lights) -> Self {
+        let source = |source: Source| (source.direction.map(Rows::all), Rows::all(source.color));
+        Self {
+            is_soft: lights.is_soft,
+            sources: lights.sources.map(source),
+            up: Rows::all(lights.up),
+            ground: Rows::all(lights.ground),
+            more: Rows::all(lights.sky - lights.ground),
+            soft: Rows::all(Vec3::new(WRAP, WRAPPED_KEY, RIM)),
         }
-        return light;
     }
-    let to_key = lights.sources[0].direction.map_or(to_eye, splat);
-    let key = (normal.dot(to_key) + WRAP).max(zero);
-    let above = half + half * normal.dot(splat(lights.up));
-    let facing = normal.dot(to_eye);
-    let facing = facing.max(zero - facing);
-    let away = one - facing.min(one);
-    let rim = away * away * away * above;
-    let white = lanes.splat(WRAPPED_KEY) * key + lanes.splat(RIM) * rim;
-    splat(GROUND)
-        .plus(splat(SKY - GROUND).scaled(above))
-        .plus(Vectors::all(lanes, white))
+
+    /// [`Lights::on`] for eight surfaces with these unit normals.
+    #[inline(always)]
+    pub(super) fn on<L: Lanes>(
+        &self,
+        lanes: L,
+        normal: Vectors<L>,
+        to_eye: Vectors<L>,
+    ) -> Vectors<L> {
+        let (zero, one, half) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(0.5));
+        let load = |rows| Vectors::load(lanes, rows);
+        let above = half + half * normal.dot(load(&self.up));
+        let around = load(&self.ground).plus(load(&self.more).scaled(above));
+        if !self.is_soft {
+            let mut light = around;
+            for (direction, color) in &self.sources {
+                let direction = direction.as_ref().map_or(to_eye, load);
+                light = light.plus(load(color).scaled(normal.dot(direction).max(zero)));
+            }
+            return light;
+        }
+        let [wrap, wrapped_key, rim] = load(&self.soft).xyz();
+        let (direction, _) = &self.sources[0];
+        let to_key = direction.as_ref().map_or(to_eye, load);
+        let key = (normal.dot(to_key) + wrap).max(zero);
+        let facing = normal.dot(to_eye);
+        let facing = facing.max(zero - facing);
+        let away = one - facing.min(one);
+        let rims = away * away * away * above;
+        around.plus(Vectors::all(lanes, wrapped_key * key + rim * rims))
+    }
 }

@@ -4,7 +4,7 @@
 use super::LightSet;
 use super::facet::Facet;
 use super::light::Lights;
-use super::smooth::{Facets, light, to_eye};
+use super::smooth::{EightLights, Facets, to_eye};
 use super::vectors::{Row, Rows, Vectors};
 use crate::Simd;
 use crate::camera::{Camera, ImagePlane, Pose, Projection};
@@ -29,7 +29,7 @@ impl Work for Pixels<'_> {
         let to_eye = to_eye(lanes, self.to_eye, self.place);
         let (u, v) = self.weights;
         let normal = facets.normal_at(lanes, lanes.load(u), lanes.load(v));
-        let light = light(lanes, self.lights, normal, to_eye);
+        let light = EightLights::new(self.lights).on(lanes, normal, to_eye);
         let color = Vectors::splat(lanes, self.facet.color);
         *self.colors = color.times(light).store();
     }

@@ -1,6 +1,8 @@
 //! Spans of neighbouring samples of a row that show one triangle, or none.
 
+use crate::MISS;
 use crate::num::simd::{LANES, Lanes, Mask8};
+use std::ops::Range;
 
 /// The most samples of a row whose spans are found at once: a row of a tile of the usual size.
 pub(super) const COLUMNS: usize = 64;
@@ -63,6 +65,24 @@ fn changes(lanes: impl Lanes, primitives: &[u32], at: usize) -> u64 {
 }
 
 impl Spans<'_> {
+    /// The samples from the first to the last that shows a triangle.
+    #[inline(always)]
+    pub(super) fn shown(&self) -> Range<usize> {
+        let Some((first, last)) = self.primitives.first().zip(self.primitives.last()) else {
+            return 0..0;
+        };
+        let last_start = 63 - self.starts.leading_zeros() as usize % 64;
+        let second_start = (self.starts & !1).trailing_zeros() as usize;
+        let count = self.primitives.len();
+        let begin = if *first == MISS {
+            second_start.min(count)
+        } else {
+            0
+        };
+        let end = if *last == MISS { last_start } else { count };
+        begin.min(end)..end
+    }
+
     /// How many are left.
     #[inline(always)]
     pub(super) fn len(&self) -> u32 {
@@ -114,7 +134,6 @@ pub(super) fn within(pixels: &mut [[u8; 4]], columns: usize) -> &mut [[u8; 4]] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MISS;
     use crate::num::simd::{Simd, Work, dispatch};
     use crate::random::Random;
 

@@ -8,13 +8,18 @@ pub(super) type Row = [f32; LANES];
 
 /// Eight vectors in memory, in structure-of-arrays order. Aligned: a load cannot be forwarded from a store that crosses
 /// a cache line.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub(super) struct Rows(pub(super) [Row; 3]);
 
 impl Rows {
     /// Zero vectors.
     pub(super) const ZERO: Self = Self([[0.0; LANES]; 3]);
+
+    /// The same vector in all lanes.
+    pub(super) fn all(vector: Vec3) -> Self {
+        Self(vector.to_array().map(|coordinate| [coordinate; LANES]))
+    }
 
     /// The vector of a lane.
     #[inline(always)]
@@ -176,6 +181,12 @@ impl<L: Lanes> Vectors<L> {
         let inverse = one / self.length();
         let is_good = zero.lt(inverse) & inverse.lt(lanes.splat(f32::INFINITY));
         Vectors::splat(lanes, Vec3::ZERO).replaced(is_good, self.scaled(inverse))
+    }
+
+    /// Divided by their lengths: infinite or NaN where those are zero.
+    #[inline(always)]
+    pub(super) fn unit(self) -> Self {
+        self.scaled(self.lanes.splat(1.0) / self.length())
     }
 
     /// Lengths.

@@ -34,39 +34,17 @@ pub(super) struct SmoothLight;
 impl Look for SmoothLight {
     #[inline(always)]
     fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
-        lit(lanes, row, at, row.unit_normals(lanes, at))
+        let shader = row.tile.shader();
+        let [x, y, z] = &*row.to_eye;
+        let to_eye = [
+            lanes.load(x.eight(at)),
+            lanes.load(y.eight(at)),
+            lanes.load(z.eight(at)),
+        ];
+        let normals = row.vectors(lanes, 0, at);
+        let light = shader.light(lanes, normals, Vectors::new(lanes, to_eye));
+        EightSamples::Light(row.vectors(lanes, 3, at).times(light))
     }
-}
-
-/// [`SmoothLight`] on normals that are of unit length.
-pub(super) struct FacetLight;
-
-impl Look for FacetLight {
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
-        lit(lanes, row, at, row.vectors(lanes, 0, at))
-    }
-}
-
-/// The samples' own colours under the light on these unit normals.
-#[inline(always)]
-fn lit<L: Lanes>(
-    lanes: L,
-    row: &Scanline<'_, '_, '_>,
-    at: usize,
-    normals: Vectors<L>,
-) -> EightSamples<L> {
-    let shader = row.tile.shader();
-    let [x, y, z] = &row.columns.to_eye;
-    let along = [
-        lanes.load(x.eight(at)),
-        lanes.load(y.eight(at)),
-        lanes.load(z.eight(at)),
-    ];
-    let to_eye = Vectors::new(lanes, along).plus(Vectors::splat(lanes, row.down));
-    let to_eye = to_eye.scaled(lanes.splat(1.0) / to_eye.length());
-    let light = shader.light(lanes, normals, to_eye);
-    EightSamples::Light(row.vectors(lanes, 3, at).times(light))
 }
 
 pub(super) struct NormalColors;
@@ -75,7 +53,7 @@ impl Look for NormalColors {
     #[inline(always)]
     fn eight<L: Lanes>(&self, lanes: L, row: &Scanline<'_, '_, '_>, at: usize) -> EightSamples<L> {
         let half = Vectors::splat(lanes, Vec3::splat(0.5));
-        EightSamples::Display(row.unit_normals(lanes, at).times(half).plus(half))
+        EightSamples::Display(row.vectors(lanes, 0, at).times(half).plus(half))
     }
 }
 
