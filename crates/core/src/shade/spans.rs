@@ -137,11 +137,15 @@ mod tests {
     use crate::num::simd::{Simd, Work, dispatch};
     use crate::random::Random;
 
-    struct Collect<'t>(&'t [u32], &'t mut Vec<Span>);
+    /// A row's spans, and the samples from the first to the last that shows a triangle.
+    struct Find<'t>(&'t [u32], &'t mut Vec<Span>, &'t mut Range<usize>);
 
-    impl Work for Collect<'_> {
+    impl Work for Find<'_> {
         fn run(self, lanes: impl Lanes) {
-            self.1.extend(spans(lanes, self.0));
+            let Self(primitives, all, shown) = self;
+            let spans = spans(lanes, primitives);
+            *shown = spans.shown();
+            all.extend(spans);
         }
     }
 
@@ -167,10 +171,15 @@ mod tests {
                         }),
                     }
                 }
+                let is_hit = |&primitive: &u32| primitive != MISS;
+                let first = primitives.iter().position(is_hit);
+                let last = primitives.iter().rposition(is_hit);
+                let expected_shown = first.zip(last).map(|(first, last)| first..last + 1);
                 for simd in Simd::available() {
-                    let mut found = Vec::new();
-                    dispatch(simd, Collect(&primitives, &mut found));
+                    let (mut found, mut shown) = (Vec::new(), 0..0);
+                    dispatch(simd, Find(&primitives, &mut found, &mut shown));
                     assert_eq!(found, expected);
+                    assert_eq!((!shown.is_empty()).then_some(shown), expected_shown);
                 }
             }
         }
