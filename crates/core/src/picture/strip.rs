@@ -99,9 +99,9 @@ fn columns(tiles: &[Rect], rect: Rect) -> Range<usize> {
     (rect.x - left) as usize..(rect.x - left + rect.width) as usize
 }
 
-/// Rows that are fetched into the caches before they are written. A tile's rows lie on pages of their own, and a picture
-/// of 4K pages exceeds what processors remember of them: where pixels take little time, writing waited for a third of
-/// it. With 4 rows it still waits, with 16 as long as with 8.
+/// How many rows ahead of the one that is written are fetched into the caches. A tile's rows lie on different pages of
+/// memory, and a picture has more pages than a processor's TLB has entries: under flat light up to a third of shading
+/// was waiting to write. With 4 rows more of the wait is left, with 16 as much as with 8.
 const AHEAD: usize = 8;
 
 /// Pixels of a cache line.

@@ -97,8 +97,8 @@ pub(super) struct EightLights {
     sources: [(Option<Rows>, Rows); 3],
     up: Rows,
     ground: Rows,
-    /// What light from the sky is more than that from the ground.
-    more: Rows,
+    /// The difference of the ambient lights from above and from below.
+    sky_less_ground: Rows,
     /// [`WRAP`], [`WRAPPED_KEY`] and [`RIM`].
     soft: Rows,
 }
@@ -111,7 +111,7 @@ impl EightLights {
             sources: lights.sources.map(source),
             up: Rows::all(lights.up),
             ground: Rows::all(lights.ground),
-            more: Rows::all(lights.sky - lights.ground),
+            sky_less_ground: Rows::all(lights.sky - lights.ground),
             soft: Rows::all(Vec3::new(WRAP, WRAPPED_KEY, RIM)),
         }
     }
@@ -127,7 +127,7 @@ impl EightLights {
         let (zero, one, half) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(0.5));
         let load = |rows| Vectors::load(lanes, rows);
         let above = half + half * normal.dot(load(&self.up));
-        let around = load(&self.ground).plus(load(&self.more).scaled(above));
+        let around = load(&self.ground).plus(load(&self.sky_less_ground).scaled(above));
         if !self.is_soft {
             let mut light = around;
             for (direction, color) in &self.sources {
@@ -136,14 +136,17 @@ impl EightLights {
             }
             return light;
         }
-        let [wrap, wrapped_key, rim] = load(&self.soft).xyz();
+        let [wrap, wrapped_key, rim_brightness] = load(&self.soft).xyz();
         let (direction, _) = &self.sources[0];
         let to_key = direction.as_ref().map_or(to_eye, load);
         let key = (normal.dot(to_key) + wrap).max(zero);
         let facing = normal.dot(to_eye);
         let facing = facing.max(zero - facing);
         let away = one - facing.min(one);
-        let rims = away * away * away * above;
-        around.plus(Vectors::all(lanes, wrapped_key * key + rim * rims))
+        let rim = away * away * away * above;
+        around.plus(Vectors::all(
+            lanes,
+            wrapped_key * key + rim_brightness * rim,
+        ))
     }
 }

@@ -29,6 +29,7 @@ impl Look for FlatLight {
     }
 }
 
+/// The samples' own colours under the light on their unit normals.
 pub(super) struct SmoothLight;
 
 impl Look for SmoothLight {
