@@ -12,14 +12,19 @@ fn convert(from: &Path, to: &Path, more: &[&str]) -> ProgramOutput {
     succeed(&arguments)
 }
 
-/// The pixels of a mesh in one colour, which its attributes do not change.
-fn picture(mesh: &Path) -> Vec<u8> {
+/// A picture of a mesh in one colour, which its attributes do not change, as a file of a format.
+fn picture_as(format: &str, mesh: &Path) -> Vec<u8> {
     let folder = folder();
-    let image = folder.path().join("picture.ppm");
+    let image = folder.path().join(format!("picture.{format}"));
     succeed(arguments![
         "render", mesh, "-o", &image, "--mode", "flat", "--color", "#888888", "--size", "160x120"
     ]);
     bytes(&image)
+}
+
+/// With the picture's recipe.
+fn picture(mesh: &Path) -> Vec<u8> {
+    picture_as("png", mesh)
 }
 
 /// The formats that are read and written, by name.
@@ -60,6 +65,33 @@ fn one_mesh_in_every_format_is_one_picture() {
     }
 }
 
+/// A picture that shows triangles alone is that of a mesh in any format. Where it shows more, or has layers, it is not:
+/// STL has no texture coordinates.
+#[test]
+fn a_picture_of_triangles_is_verified_with_any_format() {
+    let folder = folder();
+    let [ply, stl, picture, layered] =
+        ["mesh.ply", "mesh.stl", "picture.png", "picture.exr"].map(|it| folder.path().join(it));
+    convert(&asset("torus.obj"), &ply, &[]);
+    convert(&ply, &stl, &[]);
+    let render = |image: &Path, mode: &str| {
+        succeed(arguments![
+            "render", &ply, "-o", image, "--mode", mode, "--color", "#888888", "--size", "80x60"
+        ]);
+    };
+    let verify = |image: &Path| {
+        arguments![
+            "verify", image, &stl, "--color", "#888888", "--checks", "500"
+        ]
+    };
+    render(&picture, "flat");
+    succeed(verify(&picture));
+    render(&picture, "uv");
+    assert!(refuse(1, verify(&picture)).contains("another scene"));
+    render(&layered, "flat");
+    assert!(refuse(1, verify(&layered)).contains("another scene"));
+}
+
 #[test]
 fn a_scene_of_several_objects_is_converted_in_its_places() {
     let folder = folder();
@@ -72,7 +104,8 @@ fn a_scene_of_several_objects_is_converted_in_its_places() {
     }
     let ply = folder.path().join("demo.ply");
     convert(&demo, &ply, &[]);
-    assert!(picture(&obj) == picture(&ply));
+    // The pixels alone: PLY makes one object of all.
+    assert!(picture_as("ppm", &obj) == picture_as("ppm", &ply));
 }
 
 /// Each material of an OBJ shows its image, and a GLB and an OBJ made of it give the same picture.

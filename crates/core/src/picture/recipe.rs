@@ -14,7 +14,9 @@ use crate::shade::{Background, Shading};
 /// before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
-    /// [`Scene::content`](crate::scene::Scene::content), the checksum of the scene.
+    /// The checksum of as much of the scene as the picture shows: its
+    /// [`triangle_content`](crate::scene::Scene::triangle_content) where that is all, as in flat pictures in one
+    /// colour, else its [`content`](crate::scene::Scene::content).
     pub scene: Digest,
     /// The camera.
     pub camera: Camera,

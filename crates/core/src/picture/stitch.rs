@@ -151,13 +151,11 @@ fn difference(first: &Part, part: &Part) -> Option<String> {
             "it is part of a picture of {columns} x {rows}, not {width} x {height}"
         ));
     }
-    if let Some(reason) = first.recipe.difference(&part.recipe) {
-        return Some(reason);
-    }
+    // Before the recipes, which layers make different ones.
     match (first.has_layers, part.has_layers) {
         (true, false) => Some("it has no layers".to_owned()),
         (false, true) => Some("it has layers".to_owned()),
-        _ => None,
+        _ => first.recipe.difference(&part.recipe),
     }
 }
 

@@ -23,7 +23,7 @@ impl Scene {
 /// added. No count is as large.
 const MORE: u64 = u64::MAX;
 
-/// Vertex colours that are digested at a time: one by one they took longer than all else of a mesh.
+/// Vertex colours, and triangles' corners, that are digested at a time: one by one they took longer than all else of a mesh.
 const AT_ONCE: usize = 4096;
 
 fn add_object(hash: &mut Digester, object: &Object) {
@@ -45,6 +45,37 @@ fn add_object(hash: &mut Digester, object: &Object) {
         hidden_groups: _,
         shape: _,
     } = object;
+    add_placement(hash, (transform, *parent));
+    add_color_rule(hash, color, mesh);
+    add_mesh(hash, mesh);
+    match texture {
+        None => hash.number(0),
+        Some(texture) => add_texture(hash, texture),
+    }
+    if *mapping != TextureMapping::default() {
+        hash.bytes(b"mapping");
+        add_mapping(hash, mapping);
+    }
+    if let Some(name) = blend_by {
+        hash.bytes(b"blend by");
+        hash.bytes(name.as_bytes());
+        let values = mesh.scalar(name).map_or(&[][..], |scalar| &scalar.values);
+        hash.words(values.iter().map(|value| value.to_bits()));
+    }
+    // Nothing is hashed where all objects are visible, so that checksums from before objects could be hidden stay
+    // valid.
+    if !visible {
+        hash.bytes(b"hidden");
+    }
+    let shown = object.kept();
+    if shown.len() < mesh.kept().len() {
+        hash.bytes(b"hidden groups");
+        hash.number(shown.len() as u64);
+        hash.words(shown.iter().copied());
+    }
+}
+
+pub(super) fn add_placement(hash: &mut Digester, (transform, parent): (&Transform, Option<usize>)) {
     let Transform {
         translate,
         rotate,
@@ -61,6 +92,9 @@ fn add_object(hash: &mut Digester, object: &Object) {
         hash.doubles(matrix.to_cols_array());
     }
     hash.number(parent.map_or(0, |parent| parent as u64 + 1));
+}
+
+pub(super) fn add_color_rule(hash: &mut Digester, color: &ColorRule, mesh: &Mesh) {
     match color {
         ColorRule::File => hash.number(0),
         ColorRule::Uniform(color) => {
@@ -102,32 +136,6 @@ fn add_object(hash: &mut Digester, object: &Object) {
                 hash.words(values.iter().map(|value| value.to_bits()));
             }
         }
-    }
-    add_mesh(hash, mesh);
-    match texture {
-        None => hash.number(0),
-        Some(texture) => add_texture(hash, texture),
-    }
-    if *mapping != TextureMapping::default() {
-        hash.bytes(b"mapping");
-        add_mapping(hash, mapping);
-    }
-    if let Some(name) = blend_by {
-        hash.bytes(b"blend by");
-        hash.bytes(name.as_bytes());
-        let values = mesh.scalar(name).map_or(&[][..], |scalar| &scalar.values);
-        hash.words(values.iter().map(|value| value.to_bits()));
-    }
-    // Nothing is hashed where all objects are visible, so that checksums from before objects could be hidden stay
-    // valid.
-    if !visible {
-        hash.bytes(b"hidden");
-    }
-    let shown = object.kept();
-    if shown.len() < mesh.kept().len() {
-        hash.bytes(b"hidden groups");
-        hash.number(shown.len() as u64);
-        hash.words(shown.iter().copied());
     }
 }
 
@@ -314,7 +322,7 @@ fn add_color(hash: &mut Digester, Color([r, g, b]): Color) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::scene::{Bounds, Diagonals, Groups, MeshData};
     use glam::{Vec2, Vec3};
@@ -330,7 +338,7 @@ mod tests {
         lens: None,
     };
 
-    fn data() -> MeshData {
+    pub(in crate::scene) fn data() -> MeshData {
         MeshData {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
             triangles: vec![[0, 1, 2], [0, 1, 3]],
@@ -357,7 +365,7 @@ mod tests {
         }
     }
 
-    fn scene(data: MeshData, change: impl Fn(&mut Object)) -> Scene {
+    pub(in crate::scene) fn scene(data: MeshData, change: impl Fn(&mut Object)) -> Scene {
         let mut object = Object::new("object", Arc::new(Mesh::new(data)));
         change(&mut object);
         Scene {
@@ -368,7 +376,7 @@ mod tests {
         }
     }
 
-    fn texture(texel: u8) -> Option<Arc<Texture>> {
+    pub(in crate::scene) fn texture(texel: u8) -> Option<Arc<Texture>> {
         Texture::new(1, 2, vec![[texel; 4], [0; 4]]).map(Arc::new)
     }
 
@@ -379,11 +387,11 @@ mod tests {
         }))
     }
 
-    fn alpha(factor: f32, image: Option<Arc<Texture>>) -> Alpha {
+    pub(in crate::scene) fn alpha(factor: f32, image: Option<Arc<Texture>>) -> Alpha {
         Alpha { factor, image }
     }
 
-    fn mask(cutoff: f32, alpha: Alpha) -> Opacity {
+    pub(in crate::scene) fn mask(cutoff: f32, alpha: Alpha) -> Opacity {
         Opacity::Mask { alpha, cutoff }
     }
 

@@ -33,6 +33,7 @@ mod subset;
 mod texture;
 mod transform;
 mod tree_topology;
+mod triangle_content;
 mod unseen;
 mod up_axis;
 mod values;

@@ -95,7 +95,7 @@ impl Load<'_> {
             });
         };
         let recipe = Box::new(recipe);
-        if scene.is_some_and(|scene| scene.content() == recipe.scene) {
+        if scene.is_some_and(|scene| recipe.is_of(scene)) {
             return Ok(News::Recipe(recipe));
         }
         let count = among.len();
@@ -109,7 +109,7 @@ impl Load<'_> {
             let Ok(read) = read else {
                 continue;
             };
-            if read.scene.content() == recipe.scene {
+            if recipe.is_of(&read.scene) {
                 lock(&self.shared.opened).extend(read.opened.iter().cloned());
                 lock(&self.shared.opened).push(file.clone());
                 let mut loaded = self.finish(read, vec![file], Duration::ZERO)?;

@@ -55,8 +55,12 @@ impl Request<'_> {
         let Some(recipe) = recipe else {
             return Ok(settings);
         };
+        let scene = &self.stage.scene;
         let requested = Recipe {
-            scene: self.stage.scene.content(),
+            scene: match recipe.is_of(scene) {
+                true => recipe.scene,
+                false => scene.content(),
+            },
             camera: settings.camera,
             samples: settings.samples,
             pixel_filter: settings.pixel_filter,
