@@ -29,7 +29,10 @@ impl Recipe {
             shading,
         };
         // Layers hold normals and texture coordinates, whatever the mode shows.
-        let triangles = recipe.triangle_content(&view.scene).filter(|_| !layers);
+        let triangles = match layers {
+            true => None,
+            false => recipe.triangle_content(&view.scene),
+        };
         recipe.scene = triangles.unwrap_or_else(|| view.scene.content());
         recipe
     }
@@ -51,6 +54,9 @@ impl Recipe {
         };
         // Lines and sections depend on which triangles share vertices.
         let is_plain = shows_triangles && wireframe.is_none() && self.clip == ClippingPlanes::NONE;
-        is_plain.then(|| scene.triangle_content(mode.shows().colors))?
+        match is_plain {
+            true => scene.triangle_content(mode.shows().colors),
+            false => None,
+        }
     }
 }

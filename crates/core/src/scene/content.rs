@@ -23,7 +23,7 @@ impl Scene {
 /// added. No count is as large.
 const MORE: u64 = u64::MAX;
 
-/// Vertex colours, and triangles' corners, that are digested at a time: one by one they took longer than all else of a mesh.
+/// Vertex colours that are digested at a time: one by one they took longer than all else of a mesh.
 const AT_ONCE: usize = 4096;
 
 fn add_object(hash: &mut Digester, object: &Object) {

@@ -7,10 +7,10 @@ use glam::{DVec3, Vec3};
 const AT_ONCE: usize = 4096;
 
 impl Scene {
-    /// As [`Scene::content`], of pictures that show the scene's triangles, and of their colours, if `shows_colors`, those
-    /// of the objects' rules alone: the same for the same triangles in the same order, however a file stores their
-    /// vertices, and whatever else it has. `None` where such a picture shows more: colours of a file, textures, or
-    /// surfaces that are not opaque.
+    /// [`Scene::content`] of pictures that show the scene's triangles alone, and colours, if `shows_colors`, by the
+    /// objects' rules alone: the same for the same triangles in the same order, however a file stores their vertices,
+    /// and whatever else it has. `None` where such a picture shows more: colours of a file, textures, or surfaces that
+    /// are not opaque.
     pub fn triangle_content(&self, shows_colors: bool) -> Option<Digest> {
         let mut hash = Digester::new();
         hash.bytes(b"triangles");
