@@ -73,7 +73,7 @@ mod tests {
     use super::super::content::tests::{alpha, data, mask, scene, texture};
     use crate::scene::{Color, ColorRule, MeshData, Object, Quantity, Scene};
 
-    /// One object of these triangles, in one colour.
+    /// Two objects in one colour; the second is of this data.
     fn plain(data: MeshData) -> Scene {
         let mut scene = scene(data, |_| ());
         for object in &mut scene.objects {
