@@ -47,23 +47,35 @@ impl OffsetTriangle {
     }
 }
 
-/// Where `ray` hits a triangle: parameter and weights, rounded to within a unit in the last place. `None` where it
-/// misses, or hits outside the ray's range.
+/// [`hit_and_corner`] without the corner.
+#[cfg(test)]
 pub(crate) fn hit(
     ray: &Ray,
     triangle: &OffsetTriangle,
     cull: Cull,
     primitive: u32,
 ) -> Option<BoundedHit> {
+    hit_and_corner(ray, triangle, cull, primitive).map(|(hit, _)| hit)
+}
+
+/// Where `ray` hits a triangle: parameter and weights, rounded to within a unit in the last place, and the corner that
+/// it hits exactly, if it does. `None` where it misses, or hits outside the ray's range.
+pub(super) fn hit_and_corner(
+    ray: &Ray,
+    triangle: &OffsetTriangle,
+    cull: Cull,
+    primitive: u32,
+) -> Option<(BoundedHit, Option<Vec3>)> {
     fn of<I: Integer>(
         ray: &Ray,
         triangle: &OffsetTriangle,
         cull: Cull,
         primitive: u32,
         (lengths, directions): (Scale, Scale),
-    ) -> Option<BoundedHit> {
-        ExactHit::<I>::new(ray, triangle, cull, lengths, directions)
-            .map(|hit| hit.rounded(primitive))
+    ) -> Option<(BoundedHit, Option<Vec3>)> {
+        let hit = ExactHit::<I>::new(ray, triangle, cull, lengths, directions)?;
+        let corner = hit.corner().map(|corner| triangle.corners[corner]);
+        Some((hit.rounded(primitive), corner))
     }
     let (lengths, directions) = scales(ray, &[triangle]);
     sized!(
@@ -345,6 +357,19 @@ impl<I: Integer> ExactHit<I> {
         let has_begun = hit.compare_to(ray.t_min) == Ordering::Greater;
         let has_ended = ray.t_max < f64::INFINITY && hit.compare_to(ray.t_max) == Ordering::Greater;
         (has_begun && !has_ended).then_some(hit)
+    }
+
+    /// The corner that the ray hits exactly, if it does: where both other weights are zero.
+    fn corner(&self) -> Option<usize> {
+        let [second, third] = &self.weights;
+        let first = self.denominator.minus(second).minus(third);
+        let is_zero = [&first, second, third].map(|weight| weight.sign() == Ordering::Equal);
+        match is_zero {
+            [_, true, true] => Some(0),
+            [true, _, true] => Some(1),
+            [true, true, _] => Some(2),
+            _ => None,
+        }
     }
 
     /// Which of two hits of one ray is nearer.

@@ -57,6 +57,8 @@ pub(crate) struct PreparedRay {
     shared: Option<Rc<SharedTriangles>>,
     /// Which numbers of its hits are needed.
     detail: Detail,
+    /// A corner of a triangle that the ray is known to pass through exactly.
+    corner: Cell<Option<Vec3>>,
 }
 
 /// The outcome of a test with error bounds.
@@ -101,6 +103,7 @@ impl PreparedRay {
             was_exact: Cell::new(false),
             shared: None,
             detail: Detail::Full,
+            corner: Cell::new(None),
         })
     }
 
@@ -154,10 +157,19 @@ impl PreparedRay {
         let candidate = match self.intersect_in_double(primitive, corners(primitive)) {
             Verdict::Miss => return,
             Verdict::Hit(hit) => hit,
-            Verdict::Undecided => match self.intersect_undecided(primitive, corners(primitive)) {
-                Some(hit) => hit,
-                None => return,
-            },
+            Verdict::Undecided => {
+                if self.corner.get().is_some()
+                    && !nearest.is_miss()
+                    && id(nearest.primitive) < id(primitive)
+                    && self.meet_at_corner([primitive, nearest.primitive].map(&corners))
+                {
+                    return;
+                }
+                match self.intersect_undecided(primitive, corners(primitive)) {
+                    Some(hit) => hit,
+                    None => return,
+                }
+            }
         };
         if nearest.is_miss() || candidate.is_surely_before(nearest) {
             *nearest = candidate;
@@ -169,6 +181,13 @@ impl PreparedRay {
                 *nearest = candidate;
             }
         }
+    }
+
+    /// Whether the ray passes exactly through a corner that two triangles share, as it does where they are two of many
+    /// around a vertex. Where it hits both, it hits them there, since a ray in a triangle's plane misses it.
+    pub(super) fn meet_at_corner(&self, triangles: [[Vec3; 3]; 2]) -> bool {
+        (self.corner.get())
+            .is_some_and(|corner| triangles.iter().all(|corners| corners.contains(&corner)))
     }
 
     /// The hit, if any, with a triangle that [`PreparedRay::intersect_in_double`] leaves undecided.
@@ -188,7 +207,13 @@ impl PreparedRay {
             Verdict::Hit(hit) => Some(hit),
             Verdict::Undecided => {
                 self.was_exact.set(true);
-                exact::hit(&self.ray, &self.placed(corners), self.cull, primitive)
+                let placed = self.placed(corners);
+                let (hit, corner) =
+                    exact::hit_and_corner(&self.ray, &placed, self.cull, primitive)?;
+                if corner.is_some() {
+                    self.corner.set(corner);
+                }
+                Some(hit)
             }
         }
     }

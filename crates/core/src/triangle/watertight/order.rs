@@ -45,7 +45,7 @@ impl PreparedRay {
         }
         let [first, second] =
             [candidate, nearest].map(|hit| (hit.primitive, corners(hit.primitive)));
-        if share_plane_of_axis(first.1, second.1) {
+        if share_plane_of_axis(first.1, second.1) || self.meet_at_corner([first.1, second.1]) {
             return Ordering::Equal;
         }
         let placed = [(candidate, first.1), (nearest, second.1)];
@@ -278,5 +278,65 @@ mod tests {
             }
         }
         assert!(hits > 900, "{hits}");
+    }
+
+    /// Rays through two vertices, each with triangles around it, some of them in the ray's plane, and through others
+    /// inside or beside. The truth is integer arithmetic.
+    #[test]
+    fn of_many_triangles_around_a_vertex_the_closest_is_as_integers_say() {
+        let mut random = Random(70);
+        let (mut at_vertices, mut misses) = (0, 0);
+        for _ in 0..400 {
+            let mut near = |point: Vec3| {
+                let [x, y, z] = [(); 3].map(|()| (random.signed() * 4.0).round() as f32);
+                point + Vec3::new(x, y, z)
+            };
+            let (eye, along) = (near(Vec3::ZERO), near(Vec3::ZERO));
+            let vertices = [4.0, 5.0].map(|steps| eye + along * steps);
+            let triangles: Vec<[Vec3; 3]> = (0..24)
+                .map(|number| {
+                    let vertex = vertices[number % 2];
+                    let first = if number < 16 { vertex } else { near(vertex) };
+                    let mut corners = [first, near(vertex), near(vertex)];
+                    corners.rotate_left(number % 3);
+                    corners
+                })
+                .collect();
+            for cull in [Cull::None, Cull::Back] {
+                let ray = Ray::new(eye.as_dvec3(), along.as_dvec3());
+                let prepared = PreparedRay::new(&ray, DVec3::ZERO, cull, Precision::Exact);
+                let Some(prepared) = prepared else { continue };
+                let mut truth = None;
+                for (number, &corners) in triangles.iter().enumerate() {
+                    let placed = prepared.placed(corners);
+                    if exact::hit(&ray, &placed, cull, 0).is_none() {
+                        continue;
+                    }
+                    let is_first = truth.is_none_or(|best: usize| {
+                        let best = prepared.placed(triangles[best]);
+                        let order = exact::compare(&ray, &placed, &best, cull);
+                        order == Some(Ordering::Less)
+                    });
+                    if is_first {
+                        truth = Some(number);
+                    }
+                }
+                let count = triangles.len();
+                for (from, step) in [(0, 1), (count - 1, count - 1), (5, 7), (11, 5)] {
+                    let prepared = prepared.clone();
+                    let mut nearest = BoundedHit::NONE;
+                    for turn in 0..count {
+                        let primitive = ((from + turn * step) % count) as u32;
+                        let corners = |primitive: u32| triangles[primitive as usize];
+                        prepared.intersect(primitive, corners, |primitive| primitive, &mut nearest);
+                    }
+                    let found = (!nearest.is_miss()).then_some(nearest.primitive as usize);
+                    assert_eq!(found, truth, "{triangles:?} {ray:?}");
+                    at_vertices += u32::from(prepared.corner.get().is_some());
+                }
+                misses += u32::from(truth.is_none());
+            }
+        }
+        assert!(at_vertices > 1000 && misses < 200, "{at_vertices} {misses}");
     }
 }
