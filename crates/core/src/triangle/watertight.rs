@@ -158,6 +158,7 @@ impl PreparedRay {
             Verdict::Miss => return,
             Verdict::Hit(hit) => hit,
             Verdict::Undecided => {
+                // Hits at one corner are equally near.
                 if self.corner.get().is_some()
                     && !nearest.is_miss()
                     && id(nearest.primitive) < id(primitive)
