@@ -8,29 +8,59 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// `high` + `low`, `high` the sum rounded to double precision.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DoubleDouble {
-    pub(crate) high: f64,
-    pub(crate) low: f64,
+/// Numbers in double precision: one, or one in each of several lanes.
+pub(crate) trait Doubles:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// Zero, in as many lanes.
+    fn zero(self) -> Self;
+    /// What rounding to `product` took off a product: self · other − product exactly, as long as it does not underflow.
+    fn lost_in_product(self, other: Self, product: Self) -> Self;
 }
 
-impl DoubleDouble {
+impl Doubles for f64 {
+    #[inline(always)]
+    fn zero(self) -> Self {
+        0.0
+    }
+
+    /// Dekker's: without fused multiply-add, which not every processor has.
+    #[inline(always)]
+    fn lost_in_product(self, other: Self, product: Self) -> Self {
+        let ([a1, a2], [b1, b2]) = (halves(self), halves(other));
+        ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+    }
+}
+
+/// `high` + `low`, `high` the sum rounded to double precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DoubleDouble<T = f64> {
+    pub(crate) high: T,
+    pub(crate) low: T,
+}
+
+impl<T: Doubles> DoubleDouble<T> {
     /// a − b exactly.
-    pub(crate) fn difference(a: f64, b: f64) -> Self {
+    #[inline(always)]
+    pub(crate) fn difference(a: T, b: T) -> Self {
         two_sum(a, -b)
     }
 }
 
-impl From<f64> for DoubleDouble {
-    fn from(high: f64) -> Self {
-        Self { high, low: 0.0 }
+impl<T: Doubles> From<T> for DoubleDouble<T> {
+    #[inline(always)]
+    fn from(high: T) -> Self {
+        Self {
+            high,
+            low: high.zero(),
+        }
     }
 }
 
-impl Neg for DoubleDouble {
+impl<T: Doubles> Neg for DoubleDouble<T> {
     type Output = Self;
 
+    #[inline(always)]
     fn neg(self) -> Self {
         Self {
             high: -self.high,
@@ -39,9 +69,10 @@ impl Neg for DoubleDouble {
     }
 }
 
-impl Add for DoubleDouble {
+impl<T: Doubles> Add for DoubleDouble<T> {
     type Output = Self;
 
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         let highs = two_sum(self.high, other.high);
         let lows = two_sum(self.low, other.low);
@@ -50,17 +81,19 @@ impl Add for DoubleDouble {
     }
 }
 
-impl Sub for DoubleDouble {
+impl<T: Doubles> Sub for DoubleDouble<T> {
     type Output = Self;
 
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
 }
 
-impl Mul for DoubleDouble {
+impl<T: Doubles> Mul for DoubleDouble<T> {
     type Output = Self;
 
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let product = two_product(self.high, other.high);
         let crossed = self.high * other.low + self.low * other.high;
@@ -69,7 +102,8 @@ impl Mul for DoubleDouble {
 }
 
 /// a + b exactly (Knuth, "The Art of Computer Programming", volume 2, 1969, 4.2.2).
-fn two_sum(a: f64, b: f64) -> DoubleDouble {
+#[inline(always)]
+fn two_sum<T: Doubles>(a: T, b: T) -> DoubleDouble<T> {
     let high = a + b;
     let added = high - a;
     DoubleDouble {
@@ -79,7 +113,8 @@ fn two_sum(a: f64, b: f64) -> DoubleDouble {
 }
 
 /// high + low where `low` is the lesser.
-fn renormalized(high: f64, low: f64) -> DoubleDouble {
+#[inline(always)]
+fn renormalized<T: Doubles>(high: T, low: T) -> DoubleDouble<T> {
     let sum = high + low;
     DoubleDouble {
         high: sum,
@@ -87,17 +122,18 @@ fn renormalized(high: f64, low: f64) -> DoubleDouble {
     }
 }
 
-/// a · b exactly (Dekker): without fused multiply-add, which not every processor has.
-fn two_product(a: f64, b: f64) -> DoubleDouble {
+/// a · b exactly.
+#[inline(always)]
+fn two_product<T: Doubles>(a: T, b: T) -> DoubleDouble<T> {
     let high = a * b;
-    let ([a1, a2], [b1, b2]) = (halves(a), halves(b));
     DoubleDouble {
         high,
-        low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2,
+        low: a.lost_in_product(b, high),
     }
 }
 
 /// A number as a sum of two with 26 digits each (Veltkamp).
+#[inline(always)]
 fn halves(x: f64) -> [f64; 2] {
     let scaled = x * f64::from((1 << 27) + 1);
     let high = scaled - (scaled - x);

@@ -20,7 +20,7 @@ use crate::num::roundoff::EPSILON;
 use glam::{BVec3, DVec3, Vec3, Vec3Swizzles};
 
 /// The least and greatest magnitude of a factor other than zero.
-const FACTOR_RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
+pub(super) const FACTOR_RANGE: (f64, f64) = (1.0 / POWER_300, POWER_300);
 const POWER_300: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// A determinant: its exact value is within `error` of `value`, and zero if `error` is.
@@ -62,7 +62,7 @@ impl Determinant {
 #[derive(Clone, Copy)]
 pub(super) struct Factor {
     value: DVec3,
-    pub(super) size: DVec3,
+    size: DVec3,
 }
 
 impl Factor {

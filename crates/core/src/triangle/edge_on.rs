@@ -172,7 +172,7 @@ impl EdgeOn {
                     origin: self.tree_origin,
                 };
                 let misses = misses.or_else(|| {
-                    let distance = eye_distance(eye, self.tree_origin, corners)?;
+                    let distance = eye_distance(eye, &placed)?;
                     distance.signum().map(|sign| sign != 0)
                 });
                 !misses.unwrap_or_else(|| !plane_contains(eye, &placed))

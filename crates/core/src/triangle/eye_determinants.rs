@@ -2,7 +2,8 @@
 
 use super::componentwise::{Determinant, Determinants, Factor};
 use super::exact::{OffsetTriangle, crosses_from};
-use super::wide_determinants::{WideCross, WideDeterminants};
+use super::wide_determinants::WideDeterminants;
+use super::wide_vectors::WideCross;
 use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 

@@ -19,6 +19,7 @@ pub(crate) mod row_tests;
 mod shared_triangles;
 mod watertight;
 mod wide_determinants;
+mod wide_vectors;
 
 pub(crate) use bounded_hit::BoundedHit;
 pub(crate) use componentwise::Determinant;

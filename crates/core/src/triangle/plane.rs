@@ -176,7 +176,7 @@ pub(super) fn side_of_plane(distances: [(f64, f64); 3], hit: &BoundedHit) -> Opt
 /// the eye, with an error of [`MOST_ERROR`] of it at most. In double-double arithmetic where that suffices, else
 /// exactly; zero only where the plane contains the eye, unless it is less than any double is.
 pub(crate) fn distance_of_eye(eye: DVec3, triangle: &OffsetTriangle) -> Determinant {
-    let wide = eye_distance(eye, triangle.origin, triangle.corners);
+    let wide = eye_distance(eye, triangle);
     // NaN fails this comparison, and so does zero unless it is surely so.
     if let Some(wide) = wide.filter(|wide| wide.error <= MOST_ERROR * wide.value.abs()) {
         return wide;
@@ -308,7 +308,7 @@ mod tests {
                 "{corners:?} {eye}"
             );
             assert!(error <= MOST_ERROR * value.abs());
-            let Some(first) = eye_distance(eye, DVec3::ZERO, corners) else {
+            let Some(first) = eye_distance(eye, &triangle) else {
                 continue;
             };
             assert!(

@@ -1,13 +1,14 @@
 //! One source for several instruction sets: each work item is compiled for every set, and dispatched at run time.
 //!
 //! Loops in double precision are left to the compiler to vectorise. Rows of eight single-precision numbers, which it
-//! would not vectorise by itself, are written as [`F32x8`]. No product and sum are contracted into one rounding, so
-//! the bits are the same on each instruction set.
+//! would not vectorise by itself, are written as [`F32x8`], and double-double arithmetic as [`F64x4`]. No product and sum
+//! are contracted into one rounding, but where the result is exact, so the bits are the same on each instruction set.
 
 mod plain;
 mod prefetch;
 mod wide;
 
+use super::double_double::Doubles;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 use fearless_simd::{Level, Simd as _};
 pub(crate) use plain::Plain;
@@ -125,6 +126,18 @@ pub(crate) trait F32x8:
     }
 }
 
+/// Four double-precision numbers, for what the compiler does not vectorise.
+pub(crate) trait F64x4: Doubles {
+    /// All four.
+    fn to_array(self) -> [f64; 4];
+    /// Magnitudes.
+    fn abs(self) -> Self;
+    /// The vector (y, z, x) of (x, y, z); the fourth lane stays.
+    fn yzx(self) -> Self;
+    /// Transposes a 4 × 4 matrix of rows.
+    fn transpose(rows: [Self; 4]) -> [Self; 4];
+}
+
 /// Eight booleans.
 pub(crate) trait Mask8: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// The vectors that the mask selects from.
@@ -144,11 +157,15 @@ pub(crate) trait Lanes: Copy {
     type F32: F32x8<Mask = Self::Mask>;
     /// Eight booleans.
     type Mask: Mask8<F32 = Self::F32>;
+    /// Four numbers in double precision.
+    type F64: F64x4;
 
     /// The same number in all lanes.
     fn splat(self, x: f32) -> Self::F32;
     /// Loads eight from memory.
     fn load(self, from: &[f32; LANES]) -> Self::F32;
+    /// Four numbers in double precision.
+    fn doubles(self, four: [f64; 4]) -> Self::F64;
     /// Whether integers are equal, lane by lane.
     fn equal(self, these: &[u32; LANES], those: &[u32; LANES]) -> Self::Mask;
     /// Transposes an 8 × 8 matrix of rows.

@@ -1,7 +1,9 @@
 //! Lanes as arrays, for any processor.
 
-use super::{F32x8, LANES, Lanes, Mask8};
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+use super::{F32x8, F64x4, LANES, Lanes, Mask8};
+use crate::num::double_double::Doubles;
+use std::array::from_fn;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 /// The instruction set that every processor has.
 #[derive(Clone, Copy)]
@@ -14,6 +16,10 @@ pub(crate) struct PlainF32([f32; LANES]);
 /// Eight booleans in an array.
 #[derive(Clone, Copy)]
 pub(crate) struct PlainMask([bool; LANES]);
+
+/// Four numbers in double precision in an array.
+#[derive(Clone, Copy)]
+pub(crate) struct PlainF64([f64; 4]);
 
 /// Applies an operation lane by lane.
 macro_rules! each {
@@ -127,9 +133,75 @@ impl Mask8 for PlainMask {
     }
 }
 
+impl Add for PlainF64 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l] + other.0[l]))
+    }
+}
+
+impl Sub for PlainF64 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l] - other.0[l]))
+    }
+}
+
+impl Mul for PlainF64 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l] * other.0[l]))
+    }
+}
+
+impl Neg for PlainF64 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl Doubles for PlainF64 {
+    #[inline(always)]
+    fn zero(self) -> Self {
+        Self([0.0; 4])
+    }
+    #[inline(always)]
+    fn lost_in_product(self, other: Self, product: Self) -> Self {
+        Self(from_fn(|l| {
+            self.0[l].lost_in_product(other.0[l], product.0[l])
+        }))
+    }
+}
+
+impl F64x4 for PlainF64 {
+    #[inline(always)]
+    fn to_array(self) -> [f64; 4] {
+        self.0
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+    #[inline(always)]
+    fn yzx(self) -> Self {
+        let [x, y, z, w] = self.0;
+        Self([y, z, x, w])
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; 4]) -> [Self; 4] {
+        from_fn(|column| Self(rows.map(|row| row.0[column])))
+    }
+}
+
 impl Lanes for Plain {
     type F32 = PlainF32;
     type Mask = PlainMask;
+    type F64 = PlainF64;
 
     #[inline(always)]
     fn splat(self, x: f32) -> PlainF32 {
@@ -140,12 +212,16 @@ impl Lanes for Plain {
         PlainF32(*from)
     }
     #[inline(always)]
+    fn doubles(self, four: [f64; 4]) -> PlainF64 {
+        PlainF64(four)
+    }
+    #[inline(always)]
     fn equal(self, these: &[u32; LANES], those: &[u32; LANES]) -> PlainMask {
         PlainMask(each!(l => these[l] == those[l]))
     }
     #[inline(always)]
     fn transpose(self, rows: [PlainF32; LANES]) -> [PlainF32; LANES] {
-        std::array::from_fn(|column| PlainF32(each!(row => rows[row].0[column])))
+        from_fn(|column| PlainF32(each!(row => rows[row].0[column])))
     }
     #[inline(always)]
     fn prefetch<T>(self, _: &[T], _: usize) {}

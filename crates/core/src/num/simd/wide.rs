@@ -1,9 +1,10 @@
 //! Lanes as vector registers, by `fearless_simd`.
 
-use super::{F32x8, LANES, Lanes, Mask8};
+use super::{F32x8, F64x4, LANES, Lanes, Mask8};
+use crate::num::double_double::Doubles;
 use fearless_simd::{
     Bytes, ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdInto, SimdMask,
-    SimdSplit, f32x8, mask32x8, u16x8, u32x8,
+    SimdSplit, f32x8, f64x4, mask32x8, u16x8, u32x8,
 };
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
@@ -83,9 +84,49 @@ impl<S: Simd> Mask8 for mask32x8<S> {
     }
 }
 
+impl<S: Simd> Doubles for f64x4<S> {
+    #[inline(always)]
+    fn zero(self) -> Self {
+        0.0.simd_into(self.token())
+    }
+    // Rounded once, and so exact.
+    #[inline(always)]
+    fn lost_in_product(self, other: Self, product: Self) -> Self {
+        self.mul_sub_precise(other, product)
+    }
+}
+
+impl<S: Simd> F64x4 for f64x4<S> {
+    #[inline(always)]
+    fn to_array(self) -> [f64; 4] {
+        *self
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        SimdBase::abs(self)
+    }
+    #[inline(always)]
+    fn yzx(self) -> Self {
+        let [x, y, z, w] = *self;
+        [y, z, x, w].simd_into(self.token())
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; 4]) -> [Self; 4] {
+        let token = rows[0].token();
+        let [a, b, c, d] = rows.map(|row| *row);
+        [
+            [a[0], b[0], c[0], d[0]].simd_into(token),
+            [a[1], b[1], c[1], d[1]].simd_into(token),
+            [a[2], b[2], c[2], d[2]].simd_into(token),
+            [a[3], b[3], c[3], d[3]].simd_into(token),
+        ]
+    }
+}
+
 impl<S: Simd> Lanes for S {
     type F32 = f32x8<S>;
     type Mask = mask32x8<S>;
+    type F64 = f64x4<S>;
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F32 {
@@ -94,6 +135,10 @@ impl<S: Simd> Lanes for S {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> Self::F32 {
         (*from).simd_into(self)
+    }
+    #[inline(always)]
+    fn doubles(self, four: [f64; 4]) -> Self::F64 {
+        four.simd_into(self)
     }
     #[inline(always)]
     fn equal(self, these: &[u32; LANES], those: &[u32; LANES]) -> Self::Mask {
@@ -242,6 +287,29 @@ mod tests {
             self.0.extend(a.upper_halves().map(u32::from));
             self.0.extend(c.lower_halves());
             self.0.push(c.reduce_min().to_bits());
+            let e = lanes.doubles([1.1, -2.7e9, 0.0, 0.3e-40]);
+            let f = lanes.doubles([3.7e-5, 0.9, -0.0, 1.7e-60]);
+            let product = e * f;
+            let [g, h, i, j] = F64x4::transpose([e, f, product, e.yzx()]);
+            let lost = e.lost_in_product(f, product);
+            for four in [
+                e + f,
+                e - f,
+                product,
+                lost,
+                -e,
+                f.abs(),
+                f.zero(),
+                e.yzx(),
+                g,
+                h,
+                i,
+                j,
+            ] {
+                let bits = four.to_array().map(f64::to_bits);
+                self.0.extend(bits.map(|bits| bits as u32));
+                self.0.extend(bits.map(|bits| (bits >> 32) as u32));
+            }
         }
     }
 
@@ -253,7 +321,10 @@ mod tests {
             bits
         };
         let plain = of(Simd::Plain);
-        assert_eq!(plain.len(), (18 + LANES) * LANES + 5 * (LANES + 1) + 1);
+        assert_eq!(
+            plain.len(),
+            (18 + LANES) * LANES + 5 * (LANES + 1) + 1 + 12 * 8
+        );
         assert_eq!(of(Simd::best()), plain);
     }
 }
