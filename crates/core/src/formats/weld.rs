@@ -1,5 +1,6 @@
 //! Welding: equal corners become one vertex, numbered by first occurrence.
 
+use crate::num::simd::prefetch;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::hash::{BuildHasher, RandomState};
@@ -48,21 +49,65 @@ impl Vertices {
     /// The numbers of many vertices, in order.
     fn numbers(&mut self, positions: &[DVec3], numbers: &mut Vec<u32>) {
         numbers.clear();
-        let mut hashed = [(DVec3::ZERO, 0); BLOCK];
+        let mut hashed = [(DVec3::ZERO, 0, None); BLOCK];
         for block in positions.chunks(BLOCK) {
-            let mut all = 0;
             for (hashed, position) in hashed.iter_mut().zip(block) {
-                *hashed = self.hashed(*position);
-                // Slots are far apart in memory: touching them together overlaps their cache misses.
-                all ^= self.slots[first_slot(hashed.1, self.slots.len())];
+                let (position, hash) = self.hashed(*position);
+                let recent = self.recent(position, hash);
+                if recent.is_none() {
+                    prefetch(&self.slots, first_slot(hash, self.slots.len()));
+                }
+                *hashed = (position, hash, recent);
             }
-            std::hint::black_box(all);
             let block = &hashed[..block.len()];
-            numbers.extend(
-                block
-                    .iter()
-                    .map(|&(position, hash)| self.number_with_hash(position, hash)),
-            );
+            let number = |&(position, hash, recent): &(DVec3, u64, Option<u32>)| {
+                recent.unwrap_or_else(|| self.number_with_hash(position, hash))
+            };
+            numbers.extend(block.iter().map(number));
+        }
+    }
+
+    /// The number of a vertex that was used recently.
+    #[inline]
+    fn recent(&self, position: DVec3, hash: u64) -> Option<u32> {
+        let recent = self.recent[hash as usize % RECENT];
+        let known = self.positions.get(recent as usize);
+        known
+            .is_some_and(|known| bits(*known) == bits(position))
+            .then_some(recent)
+    }
+
+    /// Appends those of other vertices, all distinct, that are not among these, and answers the numbers of all; the set
+    /// is of no use afterwards.
+    fn append(&mut self, others: &[DVec3]) -> Vec<u32> {
+        let mut numbers = vec![u32::MAX; others.len()];
+        let tasks = numbers
+            .par_chunks_mut(MIN_TASK)
+            .zip(others.par_chunks(MIN_TASK));
+        tasks.for_each(|(numbers, others)| self.find_all(others, numbers));
+        self.positions.reserve_exact(others.len());
+        for (number, position) in numbers.iter_mut().zip(others) {
+            if *number == u32::MAX {
+                *number = self.positions.len() as u32;
+                self.positions.push(*position);
+            }
+        }
+        numbers
+    }
+
+    /// The numbers of those of some vertices that are in the set.
+    fn find_all(&self, positions: &[DVec3], numbers: &mut [u32]) {
+        let mut hashes = [0; BLOCK];
+        for (positions, numbers) in positions.chunks(BLOCK).zip(numbers.chunks_mut(BLOCK)) {
+            for (hash, position) in hashes.iter_mut().zip(positions) {
+                *hash = self.hash(bits(*position));
+                prefetch(&self.slots, first_slot(*hash, self.slots.len()));
+            }
+            for ((number, position), &hash) in numbers.iter_mut().zip(positions).zip(&hashes) {
+                if let Ok(found) = self.find(bits(*position), hash) {
+                    *number = found;
+                }
+            }
         }
     }
 
@@ -76,35 +121,38 @@ impl Vertices {
 
     #[inline]
     fn number_with_hash(&mut self, position: DVec3, hash: u64) -> u32 {
-        let key = bits(position);
-        let recent = self.recent[hash as usize % RECENT];
-        if self
-            .positions
-            .get(recent as usize)
-            .is_some_and(|p| bits(*p) == key)
-        {
+        if let Some(recent) = self.recent(position, hash) {
             return recent;
         }
-        let number = self.look_up(position, key, hash);
+        let number = self.look_up(position, bits(position), hash);
         self.recent[hash as usize % RECENT] = number;
         number
     }
 
-    fn look_up(&mut self, position: DVec3, key: [u64; 3], hash: u64) -> u32 {
+    /// The number of the vertex with this key, or the slot where it is to be entered.
+    #[inline]
+    fn find(&self, key: [u64; 3], hash: u64) -> Result<u32, usize> {
         let mask = self.slots.len() - 1;
         let mut slot = first_slot(hash, self.slots.len());
         loop {
             let entry = self.slots[slot];
             if entry == EMPTY {
-                break;
+                return Err(slot);
             }
             // Compares positions only where hashes are equal, since positions lie elsewhere in memory.
             let number = entry as u32;
             if (entry ^ hash) >> 32 == 0 && bits(self.positions[number as usize]) == key {
-                return number;
+                return Ok(number);
             }
             slot = (slot + 1) & mask;
         }
+    }
+
+    fn look_up(&mut self, position: DVec3, key: [u64; 3], hash: u64) -> u32 {
+        let slot = match self.find(key, hash) {
+            Ok(number) => return number,
+            Err(slot) => slot,
+        };
         let number = self.positions.len() as u32;
         self.slots[slot] = entry(hash, number);
         self.positions.push(position);
@@ -171,8 +219,8 @@ const MIN_TASK: usize = 1 << 12;
 /// Welds `count` triangles of these corners; returns vertices and triangles. `progress` is called, from any thread,
 /// with the number of triangles that are done.
 ///
-/// Halves are welded in parallel, and the second half's vertices are then looked up among the first's: the order of
-/// vertices is that of welding sequentially.
+/// Halves are welded in parallel, and the second half's vertices are then looked up among the first's, in parallel too where
+/// no others follow: the order of vertices is that of welding sequentially.
 pub(super) fn weld(
     count: usize,
     corners: &(impl Fn(usize) -> [DVec3; 3] + Sync),
@@ -185,7 +233,7 @@ pub(super) fn weld(
         corners,
         progress,
     };
-    let vertices = part.weld(0, &mut triangles);
+    let vertices = part.weld(0, &mut triangles, true);
     (vertices.into_positions(), triangles)
 }
 
@@ -196,7 +244,8 @@ struct Part<'a, C, P> {
 }
 
 impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
-    fn weld(&self, first: usize, triangles: &mut [[u32; 3]]) -> Vertices {
+    /// `are_all` says that nothing else will be welded to these.
+    fn weld(&self, first: usize, triangles: &mut [[u32; 3]], are_all: bool) -> Vertices {
         if triangles.len() <= self.leaf {
             // A closed mesh has half as many vertices as triangles, and a part of one has some more.
             let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
@@ -215,10 +264,18 @@ impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
         }
         let half = triangles.len() / 2;
         let (left, right) = triangles.split_at_mut(half);
-        let (mut vertices, others) =
-            rayon::join(|| self.weld(first, left), || self.weld(first + half, right));
-        let mut numbers = Vec::new();
-        vertices.numbers(&others.into_positions(), &mut numbers);
+        let (mut vertices, others) = rayon::join(
+            || self.weld(first, left, false),
+            || self.weld(first + half, right, false),
+        );
+        let others = others.into_positions();
+        let numbers = if are_all {
+            vertices.append(&others)
+        } else {
+            let mut numbers = Vec::new();
+            vertices.numbers(&others, &mut numbers);
+            numbers
+        };
         right
             .par_iter_mut()
             .with_min_len(MIN_TASK)
@@ -237,11 +294,18 @@ mod tests {
     fn vertices_are_in_the_order_of_sequential_welding() {
         let mut random = Random(7);
         // Few positions, so that most corners coincide with others.
-        let mut coordinate = || (random.unit() * 40.0).floor() * 0.5 - 10.0;
-        let corners: Vec<[DVec3; 3]> = (0..3 * MIN_TASK)
+        let mut coordinate = || (random.unit() * 200.0).floor() * 0.5 - 50.0;
+        let corners: Vec<[DVec3; 3]> = (0..8 * MIN_TASK)
             .map(|_| [0; 3].map(|_| DVec3::new(coordinate(), coordinate(), -0.0)))
             .collect();
-        let (positions, triangles) = weld(corners.len(), &|index| corners[index], &|_| ());
+        // One part, two, and eight.
+        let welded = [1, 2, 5].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.expect("threads can be started");
+            pool.install(|| weld(corners.len(), &|index| corners[index], &|_| ()))
+        });
+        assert!(welded[0] == welded[1] && welded[0] == welded[2]);
+        let [(positions, triangles), ..] = welded;
         let mut numbers = HashMap::new();
         let mut expected = Vec::new();
         for corner in corners.iter().flatten() {
