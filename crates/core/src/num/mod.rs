@@ -1,4 +1,4 @@
-//! Numeric basics that every module may use: exact arithmetic, and SIMD lanes in single precision.
+//! Numeric basics that every module may use: exact and double-double arithmetic, and SIMD lanes.
 
 pub(crate) mod accumulator;
 pub(crate) mod choice;
