@@ -126,10 +126,13 @@ impl TileShader<'_> {
         let mut texel = Vectors::splat(lanes, Vec3::ZERO);
         let mut alpha = zero;
         for side in 0..sides.count {
+            let weight = lanes.load(&sides.weights[side]);
+            if zero.lt(weight).bits() == 0 {
+                continue;
+            }
             let uv = &sides.uv[side];
             let (color, opacity) =
                 sample_eight(lanes, shader.tables, found.texture, uv, shader.filter());
-            let weight = lanes.load(&sides.weights[side]);
             texel = texel.plus(color.scaled(weight));
             alpha = alpha + opacity * weight;
         }

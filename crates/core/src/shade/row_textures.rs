@@ -10,7 +10,7 @@ use super::texels::{TexelLight, is_read_at_once};
 use super::texture::triplanar::Triplanar;
 use super::vectors::{Row, Vectors};
 use super::{Filter, Shader};
-use crate::num::simd::{F32x8, LANES, Lanes, Work};
+use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Work};
 use crate::scene::Texture;
 use glam::{DVec2, Vec2, Vec3};
 
@@ -239,6 +239,24 @@ impl RowTextures {
         }
     }
 
+    /// Removes from the front of some samples the first ones that see a side, in eights: a box's walls see one side each.
+    #[inline(always)]
+    fn next_lit(
+        &self,
+        lanes: impl Lanes,
+        side: usize,
+        (first, end): &mut (usize, usize),
+    ) -> Option<(usize, usize)> {
+        let is_lit = |at: usize| {
+            let weights = lanes.load(self.weights[side].eight(at));
+            lanes.splat(0.0).lt(weights).bits() != 0
+        };
+        let start = eights((*first, *end)).find(|&at| is_lit(at))?;
+        let after = eights((start, *end)).find(|&at| !is_lit(at));
+        *first = after.unwrap_or(*end);
+        Some((start, *first))
+    }
+
     /// Reads the texels of a side that samples are mixed of.
     #[inline(always)]
     fn read(&mut self, image: Image<'_>, side: usize, samples: (usize, usize)) {
@@ -351,14 +369,17 @@ impl Work for ColorTextured<'_> {
         }
         let mut sums = [Numbers::all(0.0); 4];
         for side in 0..3 {
-            textures.read(image, side, samples);
-            for at in eights(samples) {
-                let (color, alpha) = textures.texel(lanes, image, (side, at));
-                let weight = lanes.load(textures.weights[side].eight(at));
-                let [x, y, z] = color.scaled(weight).xyz();
-                for (sum, part) in sums.iter_mut().zip([x, y, z, alpha * weight]) {
-                    let sum = sum.eight_mut(at);
-                    (lanes.load(sum) + part).store(sum);
+            let mut rest = samples;
+            while let Some(lit) = textures.next_lit(lanes, side, &mut rest) {
+                textures.read(image, side, lit);
+                for at in eights(lit) {
+                    let (color, alpha) = textures.texel(lanes, image, (side, at));
+                    let weight = lanes.load(textures.weights[side].eight(at));
+                    let [x, y, z] = color.scaled(weight).xyz();
+                    for (sum, part) in sums.iter_mut().zip([x, y, z, alpha * weight]) {
+                        let sum = sum.eight_mut(at);
+                        (lanes.load(sum) + part).store(sum);
+                    }
                 }
             }
         }
