@@ -88,34 +88,31 @@ fn cut(boxes: &[Box32], indices: &mut [u32], limit: usize) -> Vec<u32> {
         let parts = indices.chunks(limit);
         return parts.map(|part| part.len() as u32).collect();
     }
-    // A key is a cell of a cubic grid, then the index in `indices`: keys are distinct, and sort to the same order
-    // everywhere.
-    let rank_bits = usize::BITS - indices.len().leading_zeros();
-    let axis_bits = (u64::BITS - rank_bits) / 3;
+    // A key is a cell of a cubic grid, then the box's index: keys are distinct, and sort to the same order everywhere.
+    let index_bits = usize::BITS - boxes.len().leading_zeros();
+    let axis_bits = (u64::BITS - index_bits) / 3;
     let cells = f64::from(1u32 << axis_bits);
     let (origin, per_unit) = (span.min.as_dvec3(), cells / size);
-    let key = |(rank, &index): (usize, &u32)| {
+    let key = |&index: &u32| {
         let middle = middle(&boxes[index as usize]).as_dvec3();
         let cell = ((middle - origin) * per_unit).min(glam::DVec3::splat(cells - 1.0));
         let cell = cell.as_u64vec3();
         let code = spread(cell.x) << 2 | spread(cell.y) << 1 | spread(cell.z);
-        code << rank_bits | rank as u64
+        code << index_bits | u64::from(index)
     };
-    let keys = indices.par_iter().enumerate().with_min_len(PARALLEL);
+    let keys = indices.par_iter().with_min_len(PARALLEL);
     let mut keys: Vec<u64> = keys.map(key).collect();
     keys.par_sort_unstable();
-    let before = indices.to_vec();
-    let rank = |key: u64| (key & ((1 << rank_bits) - 1)) as usize;
-    let moved = indices.par_iter_mut().zip(&keys).with_min_len(PARALLEL);
-    moved.for_each(|(index, &key)| *index = before[rank(key)]);
-    drop(before);
+    let index = |key: u64| (key & ((1 << index_bits) - 1)) as u32;
+    let sorted = indices.par_iter_mut().zip(&keys).with_min_len(PARALLEL);
+    sorted.for_each(|(to, &key)| *to = index(key));
     let all = KeyRange {
         keys: &keys,
         indices,
     };
     Cutter {
         boxes,
-        rank_bits,
+        index_bits,
         limit,
     }
     .cut(all)
@@ -140,7 +137,7 @@ struct KeyRange<'p> {
 #[derive(Clone, Copy)]
 struct Cutter<'b> {
     boxes: &'b [Box32],
-    rank_bits: u32,
+    index_bits: u32,
     limit: usize,
 }
 
@@ -183,7 +180,7 @@ impl Cutter<'_> {
             return Err(part);
         };
         let bit = (first ^ last).checked_ilog2().unwrap_or(0);
-        if bit < self.rank_bits {
+        if bit < self.index_bits {
             return Err(part);
         }
         let upper = last >> bit << bit;
