@@ -1,8 +1,12 @@
 //! The `raycast` binary.
 
 use clap::Parser;
+use raycast_viewer::memory::HugePages;
 use raycast_viewer::{cli, commands};
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: HugePages = HugePages;
 
 fn main() -> ExitCode {
     let first = std::env::args_os().nth(1);

@@ -5,9 +5,11 @@
 //! process's own limits, its control group and the machine leave.
 
 mod available;
+mod huge_pages;
 
 use crate::failure::Failure;
 pub use available::{AvailableMemory, Limit};
+pub use huge_pages::HugePages;
 use raycast_core::formats::{Budget, Limits};
 use std::fmt;
 use std::path::Path;
