@@ -247,7 +247,7 @@ struct Measure<'a> {
     clusters: &'a Bvh2,
     /// The size of each cluster that is measured.
     sizes: Vec<SubtreeSize>,
-    /// Whether a cluster is the first child of one that is measured, and so has its parent.
+    /// Whether a cluster is the child of one that is measured.
     has_parent: Vec<bool>,
     /// Whether a treelet is in a cluster that is measured.
     seen: Vec<bool>,
@@ -269,8 +269,8 @@ impl Measure<'_> {
         }
         let children = [*self.sizes.get(first)?, *self.sizes.get(first + 1)?];
         if children.iter().all(|child| child.levels > 0) {
-            let is_first = !replace(&mut self.has_parent[first], true);
-            self.sizes[index] = is_first.then(|| SubtreeSize::above(children))?;
+            let [a, b] = [first, first + 1].map(|child| replace(&mut self.has_parent[child], true));
+            self.sizes[index] = (!a && !b).then(|| SubtreeSize::above(children))?;
         }
         Some(())
     }
@@ -359,6 +359,9 @@ mod tests {
         ] {
             assert_eq!(order(24, nodes.clone(), DEPTH_LIMIT), None, "{nodes:?}");
         }
+        // As many boxes as there are, but one treelet below two clusters, and another below none.
+        let second_is_first = vec![inner(1), inner(3), inner(4), leaf(0), leaf(1), leaf(2)];
+        assert_eq!(order(32, second_is_first, DEPTH_LIMIT), None);
     }
 
     #[test]
