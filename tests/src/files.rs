@@ -18,6 +18,12 @@ pub fn asset(name: &str) -> PathBuf {
     path
 }
 
+/// One of the documentation's pictures.
+pub fn documented(name: &str) -> PathBuf {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    docs.join(name)
+}
+
 /// A folder with copies of some of the demo's files.
 pub fn folder_with(names: &[&str]) -> TempDir {
     let folder = folder();

@@ -3,10 +3,27 @@
 use raycast_core::picture::{Format, ImageFile, Picture};
 use raycast_tests::arguments;
 use raycast_tests::binary::{command, refuse, run, succeed};
-use raycast_tests::files::{asset, bytes, folder, names};
+use raycast_tests::files::{asset, bytes, documented, folder, names};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
+
+/// Who checks a picture of the documentation against its scene is told that it is right.
+#[test]
+fn the_documentations_pictures_are_of_their_scenes() {
+    for (picture, scene) in [
+        ("demo.png", "demo.raycast.toml"),
+        ("panorama.png", "demo.raycast.toml"),
+        ("normals.png", "monkey.obj"),
+        ("low.png", "monkey.obj"),
+        ("high.png", "monkey.obj"),
+        ("depth.png", "dahlia.obj"),
+        ("wireframe.png", "dahlia.obj"),
+    ] {
+        let (picture, scene) = (documented(picture), asset(scene));
+        succeed(arguments!["verify", &picture, &scene, "--checks", "300"]);
+    }
+}
 
 /// `verify` passes what `render` wrote, and finds one pixel that was changed by hand.
 #[test]
