@@ -171,7 +171,8 @@ impl<'a> Layout<'a> {
             measure.one(index)?;
         }
         let all = measure.below(0, 1)?;
-        // Since no treelet occurs twice, the right number of boxes means that all of them are there.
+        // Since no cluster has two parents and no treelet two clusters, the right number of boxes means that all of them
+        // are there.
         let whole = all.primitives as usize == boxes.len() && all.levels as usize <= depth_limit;
         whole.then_some(Self {
             boxes,
