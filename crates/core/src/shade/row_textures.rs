@@ -239,25 +239,23 @@ impl RowTextures {
         }
     }
 
-    /// The next run of eights in which some sample shows a side; `samples` keeps what comes after it. A box's walls show
+    /// The next run of eights in which some sample shows a side; the range keeps what comes after it. A box's walls show
     /// one side each.
     #[inline(always)]
     fn next_lit(
         &self,
         lanes: impl Lanes,
         side: usize,
-        samples: &mut (usize, usize),
+        (first, end): &mut (usize, usize),
     ) -> Option<(usize, usize)> {
         let is_lit = |at: usize| {
             let weights = lanes.load(self.weights[side].eight(at));
             lanes.splat(0.0).lt(weights).bits() != 0
         };
-        let (first, end) = *samples;
-        let start = eights((first, end)).find(|&at| is_lit(at))?;
-        let after = eights((start, end)).find(|&at| !is_lit(at));
-        let after = after.unwrap_or(end);
-        *samples = (after, end);
-        Some((start, after))
+        let start = eights((*first, *end)).find(|&at| is_lit(at))?;
+        let after = eights((start, *end)).find(|&at| !is_lit(at));
+        *first = after.unwrap_or(*end);
+        Some((start, *first))
     }
 
     /// Reads the texels of a side that samples are mixed of.
