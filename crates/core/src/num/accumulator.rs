@@ -2,6 +2,7 @@
 //! fixed-point number as long as the range of such products takes no shifts to a common length, and no multiplications
 //! of long integers (Kulisch, Miranker, "The Arithmetic of the Digital Computer: A New Approach", 1986).
 
+use super::exact::power_of_two;
 use std::cmp::Ordering;
 
 /// The exponent of the lowest binary digit: the least number of single precision is 2⁻¹⁴⁹.
@@ -119,7 +120,7 @@ impl Accumulator {
         };
         let digits = u128::from(magnitude[top]) << LIMB | u128::from(below);
         let exponent = (top as i32 - 1) * LIMB as i32 + LOWEST;
-        let rounded = digits as f64 * f64::from_bits(((1023 + exponent) as u64) << 52);
+        let rounded = digits as f64 * power_of_two(exponent);
         if order == Ordering::Less {
             -rounded
         } else {

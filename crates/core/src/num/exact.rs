@@ -37,6 +37,11 @@ pub(crate) fn decompose(x: f64) -> (i64, i32) {
     )
 }
 
+/// 2^exponent, for exponents of normal numbers.
+pub(crate) fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
 /// A common power of two for a set of numbers: each is an integer times 2^exponent, and below 2^(exponent + bits).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scale {

@@ -167,12 +167,13 @@ impl<'a> Decisions<'a> {
     /// Whether all of the packet's rays, which are parallel, start in front of a triangle's plane, or all behind it, so that
     /// none hits the triangle; `None` where neither is sure.
     #[inline(never)]
-    pub(super) fn start_all_in_front(&self, primitive: u32) -> Option<bool> {
-        (self.ray_starts).all_in_front(self.accel.corners(primitive))
+    pub(super) fn start_all_in_front(&mut self, primitive: u32) -> Option<bool> {
+        let corners = || self.accel.corners(primitive);
+        self.ray_starts.all_in_front(primitive, corners)
     }
 
-    /// Which of eight rays, as bits, start in front of a triangle that they cross, from the bounds of its depth keys
-    /// where those decide it, else by [`RayStarts::in_front`].
+    /// Which of eight rays, as bits, start in front of a triangle that they cross: by their distances from its plane or
+    /// the bounds of its depth keys where those decide it, else by [`RayStarts::in_front`].
     #[inline(never)]
     pub(super) fn start_in_front(
         &mut self,
@@ -180,9 +181,15 @@ impl<'a> Decisions<'a> {
         (first, rays): (usize, u32),
         depth_keys: [&[f32; ROW]; 2],
     ) -> u32 {
-        let [in_front, behind] = self.ray_starts.by_depth_keys(first, depth_keys);
-        let rest = rays & !(in_front | behind);
-        let decided = rays & in_front;
+        let corners = || self.accel.corners(primitive);
+        let [in_front, behind] = self.ray_starts.by_distance(primitive, first, corners);
+        let mut decided = rays & in_front;
+        let mut rest = rays & !(in_front | behind);
+        if rest != 0 {
+            let [in_front, behind] = self.ray_starts.by_depth_keys(first, depth_keys);
+            decided |= rest & in_front;
+            rest &= !(in_front | behind);
+        }
         if rest == 0 {
             return decided;
         }

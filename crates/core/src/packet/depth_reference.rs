@@ -17,6 +17,7 @@
 use super::linear::Linear;
 use crate::bvh::tree::Box32;
 use crate::camera::{Camera, Projection};
+use crate::num::exact::power_of_two;
 use crate::num::roundoff::EPSILON;
 use glam::DVec3;
 
@@ -304,7 +305,7 @@ fn units_for(far: f64) -> f64 {
     let exponent = (far.max(0.0).to_bits() >> 52) as i32 - 1023;
     // Of numbers beyond 2¹²⁶ single precision does not hold the reciprocal.
     let power = (-FURTHEST_KEY - exponent).clamp(0, 126);
-    f64::from_bits(((1023 + power) as u64) << 52)
+    power_of_two(power)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::params::{ROW, SIDE};
 use super::ray_box::RayBox;
+use crate::num::simd::LANES;
 
 /// The furthest place from a packet's first ray at which functions are evaluated; rows of lanes may reach beyond the
 /// packet.
@@ -72,6 +73,28 @@ impl Linear {
         x: 0.0,
         y: 0.0,
     };
+
+    /// Of eight neighbours in a row, the first of which is at this place, as bits: those where the function, which is off
+    /// by at most `error`, is surely positive, and those where it is surely negative.
+    pub(super) fn signs_in_row(&self, (column, row): (f64, f64), error: f64) -> [u32; 2] {
+        const ALL: u32 = (1 << LANES) - 1;
+        let from = self.constant + self.y * row;
+        let value = |lane: usize| from + self.x * (column + lane as f64);
+        // Roundings are monotonic: values between two that are sure are sure.
+        let (first, last) = (value(0), value(LANES - 1));
+        if first > error && last > error {
+            return [ALL, 0];
+        }
+        if first < -error && last < -error {
+            return [0, ALL];
+        }
+        let [mut positive, mut negative] = [0; 2];
+        for lane in 0..LANES {
+            positive |= u32::from(value(lane) > error) << lane;
+            negative |= u32::from(value(lane) < -error) << lane;
+        }
+        [positive, negative]
+    }
 
     /// The same function relative to a span's first ray.
     #[inline(always)]

@@ -28,7 +28,7 @@ use super::setup::{Edges, Linear, PacketSpace, REACH};
 use crate::hit::MISS;
 use crate::num::roundoff::EPSILON;
 use crate::num::simd::LANES;
-use crate::triangle::coplanar::share_plane_of_axis;
+use crate::triangle::coplanar::{are_coplanar, share_plane_of_axis};
 use crate::triangle::exact::distances_from_plane;
 use crate::triangle::plane::{LEAST_SURE, Plane};
 use glam::Vec3;
@@ -46,9 +46,6 @@ const ACCURATE: f64 = 1.0 / (1u64 << 16) as f64;
 /// Pairs of triangles, and planes, in the caches: 4 and 8 kB. A cell seldom shows more triangles at once. With a
 /// quarter, the planes that a few cells show evict one another; with four times as many nothing is gained.
 const CACHED: usize = 64;
-
-/// Eight rays, as bits.
-const ALL: u32 = (1 << LANES) - 1;
 
 /// A triangle's plane, its normal turned to the side that rays go to; `None` where it is not sure how rays cross it.
 type TurnedPlane = Option<Plane>;
@@ -133,7 +130,7 @@ impl PlaneOrder {
         *self = Self::UNKNOWN;
         let Some(plane) = plane else {
             let [first, second] = edges.corners;
-            if distances_from_plane(*second, *first) == [0.0; 3] {
+            if are_coplanar(*first, *second) {
                 *self = *Self::in_one_plane(is_first);
             }
             return;
@@ -246,24 +243,8 @@ impl PlaneOrder {
     }
 
     /// [`PlaneOrder::of_eight`] for eight neighbours in a row of a lattice, the first of which is at this place.
-    pub(super) fn of_row(&self, (column, row): (f64, f64)) -> [u32; 2] {
-        let Linear { constant, x, y } = self.function;
-        let from = constant + y * row;
-        let value = |lane: usize| from + x * (column + lane as f64);
-        // Roundings are monotonic: values between two that are sure are sure.
-        let (first, last) = (value(0), value(LANES - 1));
-        if first > self.error && last > self.error {
-            return [ALL, 0];
-        }
-        if first < -self.error && last < -self.error {
-            return [0, ALL];
-        }
-        let [mut nearer, mut further] = [0; 2];
-        for lane in 0..LANES {
-            nearer |= u32::from(value(lane) > self.error) << lane;
-            further |= u32::from(value(lane) < -self.error) << lane;
-        }
-        [nearer, further]
+    pub(super) fn of_row(&self, first: (f64, f64)) -> [u32; 2] {
+        self.function.signs_in_row(first, self.error)
     }
 
     /// Which of the two is surely nearer for all rays of a box of places that hit both: `Less` for the first.

@@ -14,8 +14,9 @@ use super::ray_rect::RayRect;
 use super::setup::{Linear, PacketSpace};
 use crate::bvh::Accel;
 use crate::camera::{Lattice, Projection};
-use crate::hit::{Cull, Precision};
+use crate::hit::{Cull, MISS, Precision};
 use crate::num::roundoff::EPSILON;
+use crate::num::simd::LANES;
 use crate::ray::{Ray, relative_origin, rounded_origin};
 use crate::triangle::coplanar::Coplanar;
 use crate::triangle::plane::{LEAST_SURE, Plane};
@@ -24,6 +25,10 @@ use glam::{DVec3, Vec3};
 /// Planes in the cache, each some 400 bytes, allocated when the first is needed. Rays start in few planes at once; with
 /// fewer, planes that alternate are decided again, with more, a triangle is compared with more planes for nothing.
 const CACHED: usize = 8;
+
+/// Distances in the cache, allocated when the first is needed: those of twice as many triangles as wait for
+/// rasterisation at once.
+const RECENT: usize = 2 * LANES;
 
 /// Rows of eight rays in a packet.
 const ROWS: usize = SIDE * SIDE / ROW;
@@ -37,28 +42,24 @@ struct PlaneStarts {
     last: u32,
     /// Turned to the side that rays go to; `None` where that is not sure.
     plane: Option<Plane>,
-    /// The rays' distances from it, and the bound on their errors, which is infinite where nothing is known.
-    distance: (Linear, f64),
+    /// The rays' distances from it.
+    distance: BoundedDistance,
     /// For each eight rays, as bits, those that are decided.
     decided: [u8; ROWS],
     /// Those of them that start in front of the plane.
     in_front: [u8; ROWS],
 }
 
-impl PlaneStarts {
-    /// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of the plane, and those
-    /// that surely start behind it.
-    fn by_distance(&self, first: usize) -> [u32; 2] {
-        let (Linear { constant, x, y }, error) = self.distance;
-        let row = constant + y * (first / SIDE) as f64;
-        let [mut in_front, mut behind] = [0; 2];
-        for lane in 0..ROW {
-            let distance = row + x * (first % SIDE + lane) as f64;
-            in_front |= u32::from(distance < -error) << lane;
-            behind |= u32::from(distance > error) << lane;
-        }
-        [in_front, behind]
-    }
+/// The distances of a packet's rays from a plane, positive behind it, and the bound on their errors, which is infinite
+/// where nothing is known.
+type BoundedDistance = (Linear, f64);
+
+/// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of a plane, and those that
+/// surely start behind it.
+fn in_front_or_behind((distance, error): &BoundedDistance, first: usize) -> [u32; 2] {
+    let place = ((first % SIDE) as f64, (first / SIDE) as f64);
+    let [behind, in_front] = distance.signs_in_row(place, *error);
+    [in_front, behind]
 }
 
 /// The origins of a packet's parallel rays.
@@ -89,8 +90,8 @@ impl RayOrigins {
         }
     }
 
-    /// Their distances from a plane, and the bound on the errors.
-    fn distance_from(&self, plane: &Plane) -> (Linear, f64) {
+    /// Their distances from a plane.
+    fn distance_from(&self, plane: &Plane) -> BoundedDistance {
         let (constant, error) = plane.distance_of_origin(self.first, self.error);
         let [(x, error_x), (y, error_y)] = self.steps.map(|step| plane.along(step));
         let side = SIDE as f64;
@@ -110,6 +111,9 @@ pub(super) struct RayStarts {
     origins: RayOrigins,
     /// The reference of the packet's depth keys, and the bound on its error.
     reference: (Linear, f64),
+    /// The rays' distances from the planes of triangles that they were computed for last, by the low bits of the
+    /// primitive index, each with that index.
+    recent: Vec<(u32, BoundedDistance)>,
     planes: Vec<PlaneStarts>,
     /// The plane that the next one replaces.
     oldest: usize,
@@ -123,6 +127,7 @@ impl RayStarts {
             first: (0, 0),
             origins: RayOrigins::UNKNOWN,
             reference: (Linear::ZERO, 0.0),
+            recent: Vec::new(),
             planes: Vec::new(),
             oldest: 0,
         }
@@ -133,8 +138,42 @@ impl RayStarts {
         self.first = (packet.column, packet.row);
         self.origins = RayOrigins::of(space);
         self.reference = (space.reference, space.reference_error);
+        self.recent.clear();
         self.planes.clear();
         self.oldest = 0;
+    }
+
+    /// The distances of the packet's rays from a triangle's plane.
+    fn distances(
+        &mut self,
+        primitive: u32,
+        corners: impl FnOnce() -> [Vec3; 3],
+    ) -> BoundedDistance {
+        const UNKNOWN: BoundedDistance = (Linear::ZERO, f64::INFINITY);
+        let Some(lattice) = &self.lattice else {
+            return UNKNOWN;
+        };
+        if self.recent.is_empty() {
+            self.recent.resize(RECENT, (MISS, UNKNOWN));
+        }
+        let recent = &mut self.recent[primitive as usize % RECENT];
+        if recent.0 != primitive {
+            let plane = Plane::new(corners()).turned_along(lattice.camera.forward(), 0.0);
+            let distances = plane.map(|plane| self.origins.distance_from(&plane));
+            *recent = (primitive, distances.unwrap_or(UNKNOWN));
+        }
+        recent.1
+    }
+
+    /// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of a triangle's plane, and
+    /// those that surely start behind it.
+    pub(super) fn by_distance(
+        &mut self,
+        primitive: u32,
+        first: usize,
+        corners: impl FnOnce() -> [Vec3; 3],
+    ) -> [u32; 2] {
+        in_front_or_behind(&self.distances(primitive, corners), first)
     }
 
     /// Of eight rays from the packet's ray `first` on, as bits, those that surely start in front of a triangle whose
@@ -153,10 +192,12 @@ impl RayStarts {
     }
 
     /// Whether all rays of the packet start in front of a triangle's plane, or all behind it; `None` where neither is sure.
-    pub(super) fn all_in_front(&self, corners: [Vec3; 3]) -> Option<bool> {
-        let lattice = self.lattice.as_ref()?;
-        let plane = Plane::new(corners).turned_along(lattice.camera.forward(), 0.0)?;
-        let (Linear { constant, x, y }, error) = self.origins.distance_from(&plane);
+    pub(super) fn all_in_front(
+        &mut self,
+        primitive: u32,
+        corners: impl FnOnce() -> [Vec3; 3],
+    ) -> Option<bool> {
+        let (Linear { constant, x, y }, error) = self.distances(primitive, corners);
         let last = SIDE as f64 - 1.0;
         let nearest = constant + last * (x.min(0.0) + y.min(0.0));
         let furthest = constant + last * (x.max(0.0) + y.max(0.0));
@@ -172,10 +213,11 @@ impl RayStarts {
         primitive: u32,
         (first, rays): (usize, u32),
     ) -> u32 {
+        let corners = |primitive: u32| accel.corners(primitive);
+        let distance = self.distances(primitive, || corners(primitive));
         let Some(lattice) = &self.lattice else {
             return rays;
         };
-        let corners = |primitive: u32| accel.corners(primitive);
         // A triangle's rows come one after another.
         let mut planes = self.planes.iter();
         let same = planes.position(|plane| plane.last == primitive);
@@ -184,13 +226,11 @@ impl RayStarts {
             planes.position(|plane| coplanar.are(plane.primitive, primitive, corners))
         });
         let plane = known.unwrap_or_else(|| {
-            let plane = Plane::new(corners(primitive)).turned_along(lattice.camera.forward(), 0.0);
-            let unknown = (Linear::ZERO, f64::INFINITY);
             let plane = PlaneStarts {
                 primitive,
                 last: primitive,
-                plane,
-                distance: plane.map_or(unknown, |plane| self.origins.distance_from(&plane)),
+                plane: Plane::new(corners(primitive)).turned_along(lattice.camera.forward(), 0.0),
+                distance,
                 decided: [0; ROWS],
                 in_front: [0; ROWS],
             };
@@ -204,7 +244,7 @@ impl RayStarts {
         });
         let plane = &mut self.planes[plane];
         plane.last = primitive;
-        let [in_front, behind] = plane.by_distance(first);
+        let [in_front, behind] = in_front_or_behind(&plane.distance, first);
         let undecided = rays & !(in_front | behind | eight(&plane.decided, first));
         for lane in (0..ROW).filter(|lane| undecided >> lane & 1 != 0) {
             let ray = first + lane;
@@ -249,7 +289,6 @@ fn eight(bits: &[u8; ROWS], first: usize) -> u32 {
 mod tests {
     use super::*;
     use crate::camera::{Camera, ImagePlane, Pose};
-    use crate::hit::MISS;
     use crate::packet::around_tests::accel;
     use crate::random::Random;
 
@@ -293,7 +332,7 @@ mod tests {
         let alone: Vec<Accel> = planes.iter().map(|&corners| accel(vec![corners])).collect();
         let all = accel(planes);
         let (mut starts, mut coplanar) = (RayStarts::new(&lattice), Coplanar::new());
-        let (mut both, mut random) = ([0; 2], Random(95));
+        let (mut both, mut sure, mut random) = ([0; 2], 0, Random(95));
         for (column, row) in [(0, 0), (32, 0), (32, 8)] {
             let packet = RayRect {
                 column,
@@ -319,8 +358,13 @@ mod tests {
                     (random.unit() * 31.0) as usize * SIDE + (random.unit() * 25.0) as usize;
                 let asked = (random.unit() * 256.0) as u32;
                 let found = starts.in_front(&all, &mut coplanar, primitive, (first, asked));
-                let all_in_front = starts.all_in_front(all.corners(primitive));
+                let all_in_front = starts.all_in_front(primitive, || all.corners(primitive));
                 assert_eq!(all_in_front.is_none(), all.id(primitive) == 0);
+                let corners = || all.corners(primitive);
+                let [in_front, behind] = starts.by_distance(primitive, first, corners);
+                assert_eq!(found & behind, 0);
+                assert_eq!(found & in_front, asked & in_front);
+                sure += ((in_front | behind) & asked).count_ones();
                 for lane in (0..ROW).filter(|lane| asked >> lane & 1 != 0) {
                     let ray = first + lane;
                     let at = (column + (ray % SIDE) as u32, row + (ray / SIDE) as u32);
@@ -339,6 +383,7 @@ mod tests {
             }
         }
         assert!(both[0] > 1000 && both[1] > 1000, "{both:?}");
+        assert!(sure > 10_000, "{sure}");
     }
 
     /// Of hundreds of triangles that the rays start in except for rounding, the packets find what single rays do, and

@@ -13,7 +13,7 @@ use glam::Vec3;
 const CACHED: usize = 4096;
 
 /// Whether two triangles lie in exactly one plane. Neither must be degenerate.
-pub(super) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
+pub(crate) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
     if share_plane_of_axis(a, b) {
         return true;
     }

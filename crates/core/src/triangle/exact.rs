@@ -6,7 +6,7 @@ use crate::num::accumulator::{Accumulator, Number};
 use crate::num::double_double::DoubleDouble;
 use crate::num::exact::{
     Scale, Vector, compare_scaled, comparison_digits, cross, decompose, determinant_digits, dot,
-    hit_digits, ratio, sized, subtract,
+    hit_digits, power_of_two, ratio, sized, subtract,
 };
 use crate::num::integer::Integer;
 use crate::ray::Ray;
@@ -254,12 +254,22 @@ pub(crate) fn distances_from_plane(points: [Vec3; 3], corners: [Vec3; 3]) -> [f6
 
 /// [`distances_from_plane`] of points from the plane of corners, whose coordinates are at most [`I128_BITS`] long.
 fn distances_in_integers([corners, points]: [[DVec3; 3]; 2], lengths: Scale) -> [f64; 3] {
-    let vector = |point| lengths.vector::<i128>(point);
+    // Whole numbers of at most 2⁴⁰ units, so that 64 bits hold their differences, and 128 products of two and of three.
+    let per_unit = power_of_two(-lengths.exponent);
+    let vector = |point: DVec3| (point * per_unit).as_i64vec3();
     let [a, b, c] = corners.map(vector);
-    let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
-    // A power of two from 2⁻⁴⁴⁷ to 2³⁸¹.
-    let unit = f64::from_bits(((1023 + 3 * lengths.exponent) as u64) << 52);
-    points.map(|point| dot(&subtract(&vector(point), &a), &normal) as f64 * unit)
+    let (u, v) = (b - a, c - a);
+    let product = |p: i64, q: i64| i128::from(p) * i128::from(q);
+    let x = product(u.y, v.z) - product(u.z, v.y);
+    let y = product(u.z, v.x) - product(u.x, v.z);
+    let z = product(u.x, v.y) - product(u.y, v.x);
+    // From 2⁻⁴⁴⁷ to 2³⁸¹.
+    let unit = power_of_two(3 * lengths.exponent);
+    points.map(|point| {
+        let p = vector(point) - a;
+        let distance = i128::from(p.x) * x + i128::from(p.y) * y + i128::from(p.z) * z;
+        distance as f64 * unit
+    })
 }
 
 /// [`distances_from_plane`] of any coordinates.
