@@ -1,10 +1,15 @@
 use super::Progress;
 use super::error::FormatError;
 use super::files::{Contents, Files, Filling, NamedBy, OpenedFiles, absolute};
+use super::kind::Start;
 use super::limits::Budget;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
+
+/// The length from which on a file is read by several threads: most of the time goes into new memory, and one thread
+/// copies less than memory can take. With shorter files the threads have woken when it is over.
+const LARGE: u64 = 4 << 20;
 
 /// The file system, as the files of one scene are read from it.
 pub(super) struct Disk<'b> {
@@ -20,13 +25,13 @@ impl<'b> Disk<'b> {
         }
     }
 
-    /// A regular file that a person named, to be read where it is wanted, if its first bytes are of the right kind; `None`
-    /// of any other, and of what cannot be opened.
-    pub(super) fn open_if(
+    /// A regular file that a person named, to be read where it is wanted, and its kind, if its first bytes and its length
+    /// tell one; `None` of any other, and of what cannot be opened.
+    pub(super) fn open_if<Kind>(
         &self,
         path: &Path,
-        is_right: impl Fn(&[u8]) -> bool,
-    ) -> Option<OpenFile> {
+        kind: impl Fn(&Start, u64) -> Option<Kind>,
+    ) -> Option<(OpenFile, Kind)> {
         // What a pipe gives is gone once it is looked at.
         if !std::fs::metadata(path).ok()?.is_file() {
             return None;
@@ -34,12 +39,11 @@ impl<'b> Disk<'b> {
         let file = open(path, false).ok()?;
         let length = file.metadata().ok()?.len();
         let file = OpenFile { file, length };
-        let mut first = [0; 16];
-        file.read_at(0, &mut first).ok()?;
-        is_right(&first).then(|| {
-            self.opened.add(self.source(path));
-            file
-        })
+        let mut start: Start = [0; _];
+        file.read_at(0, &mut start).ok()?;
+        let kind = kind(&start, length)?;
+        self.opened.add(self.source(path));
+        Some((file, kind))
     }
 
     /// The first bytes of a regular file that a person named, at most `most`.
@@ -109,12 +113,18 @@ impl Files for Disk<'_> {
         progress: Progress<'_>,
     ) -> Result<Contents<'_>, FormatError> {
         let refused = |error| FormatError::io(path, error);
-        let mut file = self.open(path, by)?;
+        let file = self.open(path, by)?;
         let length = file.metadata().map_err(refused)?.len();
+        let mut file = OpenFile { file, length };
         let mut filling = Filling::with_length(path, self.budget, length)?;
         let mut done = 0;
+        if cfg!(unix) && length >= LARGE {
+            filling.fill(&|at, to| file.read_at(at, to), progress)?;
+            file.file.seek(SeekFrom::Start(length)).map_err(refused)?;
+            done = length as usize;
+        }
         let read = filling.read(&mut |bytes, most| {
-            let read = (&mut file).take(most).read_to_end(bytes)?;
+            let read = (&mut file.file).take(most).read_to_end(bytes)?;
             done += read;
             progress((done as f32 / length.max(1) as f32).min(1.0));
             Ok(read)
@@ -253,6 +263,30 @@ mod tests {
         assert!(disk.read(&path, NamedBy::Person, &|_| ()).is_ok());
     }
 
+    /// Of several steps, the last of which is shorter.
+    #[test]
+    fn large_files_are_read_in_the_order_of_their_bytes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a");
+        let numbers = 0..(LARGE as u32 + 4444) / 4;
+        let bytes: Vec<u8> = numbers.flat_map(u32::to_le_bytes).collect();
+        std::fs::write(&path, &bytes).expect("a file");
+        let length = bytes.len() as u64;
+        let done = std::sync::Mutex::new(Vec::new());
+        let progress = |share| done.lock().expect("no thread panicked").push(share);
+        let budget = limited(length);
+        let disk = Disk::new(&budget);
+        let read = disk.read(&path, NamedBy::Person, &progress);
+        assert!(read.expect("it fits")[..] == bytes);
+        let done = done.into_inner().expect("no thread panicked");
+        assert!(done.len() > 4 && done.contains(&1.0), "{done:?}");
+        let budget = limited(length - 1);
+        let disk = Disk::new(&budget);
+        let refused = disk.read(&path, NamedBy::Person, &|_| ());
+        let refused = refused.expect_err("it does not").to_string();
+        assert!(refused.contains("limit `bytes`"), "{refused}");
+    }
+
     #[test]
     fn a_mesh_is_followed_to_its_folder_and_the_one_above() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -318,11 +352,13 @@ mod tests {
         std::fs::write(&path, [7; 5000]).expect("a file");
         let budget = limited(5000);
         let disk = Disk::new(&budget);
-        assert!(disk.open_if(&path, |first| first[0] == 8).is_none());
+        let first = |start: &Start, length| (length == 5000).then_some(start[0]);
+        let is =
+            |byte| move |start: &Start, length| first(start, length).filter(|first| *first == byte);
+        assert!(disk.open_if(&path, is(8)).is_none());
         assert!(disk.opened().is_empty());
-        let file = disk
-            .open_if(&path, |first| first == [7; 16])
-            .expect("it is right");
+        let (file, kind) = disk.open_if(&path, is(7)).expect("it is right");
+        assert_eq!(kind, 7);
         assert_eq!((disk.opened(), file.length), (vec![path.clone()], 5000));
         let mut to = [0; 100];
         file.read_at(4900, &mut to).expect("they are there");

@@ -1,11 +1,14 @@
 use super::Progress;
 use super::error::FormatError;
 use super::limits::{Budget, Share};
+use bytemuck::allocation::try_zeroed_vec;
+use rayon::prelude::*;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::io;
 use std::ops::Deref;
 use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Who named a file: that decides which files may be opened.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +78,9 @@ impl Deref for Contents<'_> {
     }
 }
 
+/// The bytes that are read at once: progress is told, and cancelling is seen, between steps.
+const STEP: usize = 1 << 20;
+
 /// A buffer for bytes of unknown length, counted against the budget before it grows.
 pub(super) struct Filling<'b> {
     path: PathBuf,
@@ -95,18 +101,46 @@ impl<'b> Filling<'b> {
         budget: &'b Budget,
         length: u64,
     ) -> Result<Self, FormatError> {
-        let share = budget.share(path, "the file", length)?;
-        let length = usize::try_from(length).unwrap_or(usize::MAX);
-        let mut bytes = Vec::new();
-        bytes
-            .try_reserve_exact(length)
-            .map_err(|error| FormatError::refused(path, None, &error.to_string()))?;
         Ok(Self {
             path: path.to_owned(),
-            bytes,
-            share,
-            length,
+            bytes: Vec::new(),
+            share: budget.share(path, "the file", length)?,
+            length: usize::try_from(length).unwrap_or(usize::MAX),
         })
+    }
+
+    /// Reads the expected number of bytes by several threads; `read_at` fills a slice from an offset on. Steps begin in
+    /// the order of the offsets, so that a disk is read from its beginning to its end.
+    ///
+    /// # Errors
+    /// The source's own; it has no memory; reading was cancelled.
+    pub(super) fn fill(
+        &mut self,
+        read_at: &(dyn Fn(u64, &mut [u8]) -> io::Result<()> + Sync),
+        progress: Progress<'_>,
+    ) -> Result<(), FormatError> {
+        let no_memory = |()| self.no_memory("there is no memory for it");
+        self.bytes = try_zeroed_vec(self.length).map_err(no_memory)?;
+        let (path, share, length) = (&self.path, &self.share, self.length);
+        let done = AtomicUsize::new(0);
+        let steps = self.bytes.chunks_mut(STEP).enumerate().par_bridge();
+        steps.try_for_each(|(step, bytes)| {
+            share.check_cancelled(path)?;
+            read_at((step * STEP) as u64, bytes).map_err(|error| FormatError::io(path, error))?;
+            let done = done.fetch_add(bytes.len(), Ordering::Relaxed) + bytes.len();
+            progress(done as f32 / length as f32);
+            Ok(())
+        })
+    }
+
+    fn no_memory(&self, reason: &str) -> FormatError {
+        FormatError::refused(&self.path, None, reason)
+    }
+
+    /// Makes room for more bytes.
+    fn reserve(&mut self, more: usize) -> Result<(), FormatError> {
+        let reserved = self.bytes.try_reserve_exact(more);
+        reserved.map_err(|error| self.no_memory(&error.to_string()))
     }
 
     /// Reads a source to its end. `more` appends at most the given number of bytes and returns how many; zero at the
@@ -118,10 +152,9 @@ impl<'b> Filling<'b> {
         &mut self,
         more: &mut dyn FnMut(&mut Vec<u8>, u64) -> io::Result<usize>,
     ) -> Result<io::Result<()>, FormatError> {
-        const STEP: usize = 1 << 20;
+        self.reserve(self.length.saturating_sub(self.bytes.len()))?;
         loop {
-            let bytes = &mut self.bytes;
-            let mut step = self.length.saturating_sub(bytes.len()).min(STEP);
+            let mut step = self.length.saturating_sub(self.bytes.len()).min(STEP);
             if step == 0 {
                 // A small buffer finds out whether this is the end.
                 let mut byte = Vec::new();
@@ -130,22 +163,19 @@ impl<'b> Filling<'b> {
                     Ok(0) => return Ok(Ok(())),
                     Ok(_) => {}
                 }
-                if bytes.len() + STEP > bytes.capacity() {
+                let (length, room) = (self.bytes.len(), self.bytes.capacity());
+                if length + STEP > room {
                     // The old buffer exists until the new one is filled.
-                    let capacity = (bytes.len() + STEP).max(2 * bytes.capacity());
-                    let both = (bytes.capacity() + capacity) as u64;
+                    let capacity = (length + STEP).max(2 * room);
+                    let both = (room + capacity) as u64;
                     self.share.grow(&self.path, "the file", both)?;
-                    bytes
-                        .try_reserve_exact(capacity - bytes.len())
-                        .map_err(|error| {
-                            FormatError::refused(&self.path, None, &error.to_string())
-                        })?;
+                    self.reserve(capacity - length)?;
                 }
-                bytes.extend(byte);
+                self.bytes.extend(byte);
                 step = STEP - 1;
             }
             self.share.check_cancelled(&self.path)?;
-            if let Err(error) = more(bytes, step as u64) {
+            if let Err(error) = more(&mut self.bytes, step as u64) {
                 return Ok(Err(error));
             }
         }

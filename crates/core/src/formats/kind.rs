@@ -90,6 +90,28 @@ pub(super) fn mesh_kind(path: &Path, bytes: &[u8]) -> Result<MeshKind, FormatErr
     }
 }
 
+/// The kind of a mesh file that is read where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum KindInPlace {
+    Prepared,
+    /// A binary STL.
+    Stl,
+}
+
+/// The first bytes of a file that tell a [`KindInPlace`].
+pub(super) type Start = [u8; stl::HEADER];
+
+/// The kind of a mesh file of which a part is needed at a time, by its first bytes and its length; `None` of any other.
+pub(super) fn kind_in_place(path: &Path, start: &Start, length: u64) -> Option<KindInPlace> {
+    if prepared::is_prepared(start) {
+        Some(KindInPlace::Prepared)
+    } else if ply::is_ply(start) || is_scene(path, start) {
+        None
+    } else {
+        stl::is_binary_of(start, length).then_some(KindInPlace::Stl)
+    }
+}
+
 /// Whether a file is a glTF: a GLB, or JSON with glTF's one required table.
 fn is_gltf(path: &Path, bytes: &[u8]) -> bool {
     let text = without_mark(bytes).trim_ascii_start();
@@ -192,6 +214,23 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn formats_that_are_read_in_place_are_told_by_their_start() {
+        let file = |header: &[u8]| {
+            let mut start = [0; stl::HEADER];
+            start[..header.len()].copy_from_slice(header);
+            start[80] = 2;
+            start
+        };
+        let kind = |header: &[u8], length| kind_in_place(Path::new("a"), &file(header), length);
+        assert_eq!(kind(b"solid", 184), Some(KindInPlace::Stl));
+        assert_eq!(kind(b"\x1f\x8b", 184), Some(KindInPlace::Stl));
+        assert_eq!(kind(b"solid", 185), None);
+        assert_eq!(kind(b"ply\n", 184), None);
+        assert_eq!(kind(b"version = 1\n", 184), None);
+        assert_eq!(kind_in_place(Path::new("a.toml"), &file(b""), 184), None);
+    }
 
     #[test]
     fn content_goes_before_extension() {

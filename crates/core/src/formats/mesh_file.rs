@@ -1,10 +1,11 @@
 use super::error::FormatError;
 use super::files::{Files, beside};
-use super::kind::{MeshKind, mesh_kind};
+use super::kind::{KindInPlace, MeshKind, mesh_kind};
 use super::length_unit::LengthUnit;
 use super::limits::Budget;
 use super::parsed::Parsed;
 use super::placed_meshes::PlacedMeshes;
+use super::read_at::ReadAt;
 use super::scene_file::FileKind;
 use super::unpack::{inner_name, unpack};
 use super::{Progress, gltf, obj, off, ply, prepared, stl, threemf, triangle_text};
@@ -200,15 +201,25 @@ fn store_one(
     })
 }
 
-/// Reads a prepared mesh of so many bytes from where they are.
-pub(super) fn read_prepared(
+/// Reads a mesh file of so many bytes from where they are.
+pub(super) fn read_in_place(
     path: &Path,
-    from: (prepared::ReadAt<'_>, u64),
+    kind: KindInPlace,
+    from: (ReadAt<'_>, u64),
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
-    let prepared = prepared::read_from(path, from, files.budget(), progress)?;
-    Ok(prepared_objects(path, prepared, None, files))
+    let budget = files.budget();
+    match kind {
+        KindInPlace::Prepared => {
+            let prepared = prepared::read_from(path, from, budget, progress)?;
+            Ok(prepared_objects(path, prepared, None, files))
+        }
+        KindInPlace::Stl => {
+            let parsed = stl::read_binary(path, from, budget, progress)?;
+            store_one(path, FileKind::Stl, parsed, files, budget.limits().up_axis)
+        }
+    }
 }
 
 /// Checks and stores the meshes of a file of several objects.

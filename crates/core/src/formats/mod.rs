@@ -23,6 +23,7 @@ mod ply;
 mod polygon;
 mod prepared;
 mod ray_file;
+mod read_at;
 mod scene_animation;
 #[cfg(test)]
 mod scene_error_tests;
@@ -65,6 +66,7 @@ use disk::Disk;
 use files::{Files, NamedBy};
 use held::Held;
 use mesh_file::MeshTexture;
+use read_at::ReadAt;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -89,7 +91,7 @@ const SCENE_START: u64 = 1 << 16;
 pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatError> {
     let budget = Budget::default();
     let disk = Disk::new(&budget);
-    let read = match read_prepared(path, &disk, progress) {
+    let read = match read_in_place(path, &disk, progress) {
         Some(read) => read?,
         None => {
             let contents = disk.read(path, NamedBy::Person, &|share| {
@@ -112,16 +114,17 @@ pub fn read_mesh(path: &Path, progress: Progress<'_>) -> Result<Mesh, FormatErro
     }
 }
 
-/// Reads a prepared mesh directly from its file; `None` for any other format.
-fn read_prepared(
+/// Reads a mesh file of a format of which a part is needed at a time directly from the disk; `None` for any other.
+fn read_in_place(
     path: &Path,
     disk: &Disk<'_>,
     progress: Progress<'_>,
 ) -> Option<Result<mesh_file::MeshFile, FormatError>> {
-    let file = disk.open_if(path, prepared::is_prepared)?;
+    let kind = |first: &_, length| kind::kind_in_place(path, first, length);
+    let (file, kind) = disk.open_if(path, kind)?;
     let read_at = |at: u64, to: &mut [u8]| file.read_at(at, to);
-    let from: (prepared::ReadAt<'_>, u64) = (&read_at, file.length);
-    Some(mesh_file::read_prepared(path, from, disk, progress))
+    let from: (ReadAt<'_>, u64) = (&read_at, file.length);
+    Some(mesh_file::read_in_place(path, kind, from, disk, progress))
 }
 
 /// Reads an image file as a texture: PNG, JPEG or PNM, recognised by its content.
@@ -161,7 +164,7 @@ pub fn read_scene_within(
     progress: Progress<'_>,
 ) -> Result<SceneFile, FormatError> {
     let disk = Disk::new(budget);
-    let read = match read_prepared(path, &disk, progress) {
+    let read = match read_in_place(path, &disk, progress) {
         Some(read) => read?,
         None => {
             let contents = disk.read(path, NamedBy::Person, &|share| {

@@ -7,6 +7,7 @@ use super::group_statements::GroupStatements;
 use super::limits::Budget;
 use super::parsed::Parsed;
 use super::polygon::{self, Polygon};
+use super::read_at::{ReadAt, bytes_at};
 use super::tokens::{Found, Tokens};
 use super::weld::{Vertices, weld};
 use crate::quote;
@@ -14,11 +15,12 @@ use crate::scene::{Color, MeshData};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::mem::size_of;
+use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The length of a binary file's header: 80 arbitrary bytes, and a count.
-const HEADER: usize = 84;
+pub(super) const HEADER: usize = 84;
 
 /// The length of a binary facet: a normal and three corners of three floats each, and two arbitrary bytes.
 const FACET: usize = 50;
@@ -28,8 +30,13 @@ type Facet = [u8; FACET];
 /// Whether these are the bytes of a binary STL: its count agrees with its length. A binary file may start like an
 /// ASCII one; the text of an ASCII file at the count's offset would mean billions of facets.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    let count = bytes.first_chunk::<HEADER>().map(count);
-    count.is_some_and(|count| bytes.len() as u64 == length_of(count))
+    let header = bytes.first_chunk::<HEADER>();
+    header.is_some_and(|header| is_binary_of(header, bytes.len() as u64))
+}
+
+/// [`is_binary`] for a file of so many bytes that begins with these.
+pub(super) fn is_binary_of(header: &[u8; HEADER], length: u64) -> bool {
+    length == length_of(count(header))
 }
 
 /// Whether these are the bytes of an ASCII STL.
@@ -64,7 +71,8 @@ pub(super) fn read(
     if !is_binary(bytes) && is_ascii(bytes) {
         ascii(path, bytes, budget, progress)
     } else {
-        binary(path, bytes, budget, progress)
+        let from: (ReadAt<'_>, u64) = (&bytes_at(bytes), bytes.len() as u64);
+        read_binary(path, from, budget, progress)
     }
 }
 
@@ -72,32 +80,30 @@ fn no_triangles(path: &Path) -> FormatError {
     FormatError::unexpected(path, None, "facets", "none")
 }
 
-fn binary(
+/// Reads a binary STL of `length` bytes, a part at a time: new memory for all of them would take longer than to decode
+/// them.
+pub(super) fn read_binary(
     path: &Path,
-    bytes: &[u8],
+    (read_at, length): (ReadAt<'_>, u64),
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Parsed, FormatError> {
-    let Some((header, behind)) = bytes.split_first_chunk::<HEADER>() else {
+    if length < HEADER as u64 {
         let expected = format!("the {HEADER} bytes that a binary STL begins with");
-        let found = format!("{}: it is cut short", bytes.len());
+        let found = format!("{length}: it is cut short");
+        return Err(FormatError::unexpected(path, None, expected, found));
+    }
+    let mut header = [0; HEADER];
+    read_at(0, &mut header).map_err(|error| FormatError::io(path, error))?;
+    let count = count(&header);
+    let Some(left) = length.checked_sub(length_of(count)) else {
+        let bytes = length_of(count);
+        let whole = (length - HEADER as u64) / FACET as u64;
+        let expected = format!("{count} facets, as the count at byte 80 says: {bytes} bytes");
+        let found = format!("{whole} whole ones in {length} bytes: it is cut short");
         return Err(FormatError::unexpected(path, None, expected, found));
     };
-    let count = count(header);
-    let (facets, rest) = behind.as_chunks::<FACET>();
-    let Some(facets) = facets.get(..count as usize) else {
-        let expected = format!(
-            "{count} facets, as the count at byte 80 says: {} bytes",
-            length_of(count)
-        );
-        let found = format!(
-            "{} whole ones in {} bytes: it is cut short",
-            facets.len(),
-            bytes.len()
-        );
-        return Err(FormatError::unexpected(path, None, expected, found));
-    };
-    if facets.is_empty() {
+    if count == 0 {
         return Err(no_triangles(path));
     }
     if u64::from(count) > budget.triangles_left() {
@@ -111,8 +117,6 @@ fn binary(
         let name = quote(&String::from_utf8_lossy(name));
         parsed.notes.push(format!("header: {name}"));
     }
-    let left = rest.len() as u64 + (behind.len() as u64 - rest.len() as u64)
-        - FACET as u64 * u64::from(count);
     if left > 0 {
         let path = quote::path(path);
         parsed.warnings.push(format!(
@@ -120,29 +124,89 @@ fn binary(
         ));
     }
 
+    let facets = Facets {
+        path,
+        read_at,
+        budget,
+        count: count as usize,
+    };
     // The number of vertices of a closed mesh. More are counted once they exist, and are limited by the file's
     // length.
     let of = |vertices: usize| {
         let vertex = size_of::<DVec3>() + 3 * size_of::<u32>();
-        (facets.len() * size_of::<[u32; 3]>() + vertices * vertex) as u64
+        (facets.count * size_of::<[u32; 3]>() + vertices * vertex) as u64
     };
-    let mut share = budget.share(path, "the mesh", of(facets.len() / 2))?;
-    let done = AtomicUsize::new(0);
-    let (positions, triangles) = weld(facets.len(), &|index| corners(&facets[index]), &|more| {
+    let mut share = budget.share(path, "the mesh", of(facets.count / 2))?;
+    let (done, has_attributes) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let reader = || {
+        let mut bytes = Vec::new();
+        let has_attributes = &has_attributes;
+        move |range: Range<usize>, to: &mut Vec<DVec3>| {
+            let facets = facets.read(range, &mut bytes)?;
+            to.extend(facets.iter().flat_map(corners));
+            if facets.iter().fold(0, |any, facet| any | attribute(facet)) != 0 {
+                has_attributes.store(true, Ordering::Relaxed);
+            }
+            Ok(())
+        }
+    };
+    let (positions, triangles) = weld(facets.count, &reader, &|more| {
         let done = done.fetch_add(more, Ordering::Relaxed) + more;
-        progress(0.9 * done as f32 / facets.len() as f32);
-    });
-    share.grow(path, "the mesh", of(positions.len()))?;
+        progress(0.9 * done as f32 / facets.count as f32);
+    })?;
+    let held = of(positions.len());
+    share.grow(path, "the mesh", held)?;
     parsed.mesh = MeshData {
         positions,
         triangles,
         ..MeshData::default()
     };
-    if facets.par_iter().any(|facet| attribute(facet) != 0) {
-        color(header, facets, &mut parsed);
+    if has_attributes.into_inner() {
+        share.grow(path, "the mesh", held + 2 * u64::from(count))?;
+        color(&header, &facets.attributes()?, &mut parsed);
     }
     progress(1.0);
     Ok(parsed)
+}
+
+/// The facets of a binary file.
+#[derive(Clone, Copy)]
+struct Facets<'f> {
+    path: &'f Path,
+    read_at: ReadAt<'f>,
+    budget: &'f Budget,
+    count: usize,
+}
+
+impl Facets<'_> {
+    /// Reads some of them into a buffer.
+    fn read<'b>(
+        &self,
+        range: Range<usize>,
+        bytes: &'b mut Vec<u8>,
+    ) -> Result<&'b [Facet], FormatError> {
+        self.budget.check_cancelled(self.path)?;
+        bytes.resize(range.len() * FACET, 0);
+        let read = (self.read_at)((HEADER + range.start * FACET) as u64, bytes);
+        read.map_err(|error| FormatError::io(self.path, error))?;
+        Ok(bytes.as_chunks().0)
+    }
+
+    /// The last two bytes of all.
+    fn attributes(&self) -> Result<Vec<u16>, FormatError> {
+        const STEP: usize = 1 << 14;
+        let mut attributes = vec![0; self.count];
+        let steps = attributes.par_chunks_mut(STEP).enumerate();
+        steps.try_for_each_init(Vec::new, |bytes, (step, attributes)| {
+            let first = step * STEP;
+            let facets = self.read(first..first + attributes.len(), bytes)?;
+            for (to, facet) in attributes.iter_mut().zip(facets) {
+                *to = attribute(facet);
+            }
+            Ok(())
+        })?;
+        Ok(attributes)
+    }
 }
 
 fn corners(facet: &Facet) -> [DVec3; 3] {
@@ -158,20 +222,20 @@ fn attribute(facet: &Facet) -> u16 {
 
 /// Gives the mesh the colours in its facets' last two bytes, by the conventions of two programs: five bits a channel,
 /// and one that says whether there is a colour.
-fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
+fn color(header: &[u8; HEADER], attributes: &[u16], parsed: &mut Parsed) {
     const VALID: u16 = 1 << 15;
     let five = |bits: u16| {
         let bits = (bits & 31) as u8;
         bits << 3 | bits >> 2
     };
-    let attributes = facets.iter().map(attribute);
+    let bits = attributes.iter().copied();
     if let Some(at) = memchr::memmem::find(&header[..80 - 4], b"COLOR=") {
         // Magics: red in the lowest bits; the flag means that the facet has the object's colour.
         let object = match header.get(at + 6..at + 9) {
             Some(&[r, g, b]) => Color([r, g, b]),
             _ => Color::DEFAULT,
         };
-        let colors = attributes.map(|bits| {
+        let colors = bits.map(|bits| {
             Some(match bits & VALID {
                 0 => Color([five(bits), five(bits >> 5), five(bits >> 10)]),
                 _ => object,
@@ -181,12 +245,9 @@ fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
         parsed
             .notes
             .push("colours of facets as Magics writes them".to_owned());
-    } else if facets
-        .par_iter()
-        .all(|facet| attribute(facet) == 0 || attribute(facet) & VALID != 0)
-    {
+    } else if bits.clone().all(|bits| bits == 0 || bits & VALID != 0) {
         // VisCAM and SolidView: blue in the lowest bits; the flag means that the facet has a colour of its own.
-        let colors = attributes.map(|bits| {
+        let colors = bits.map(|bits| {
             let color = Color([five(bits >> 10), five(bits >> 5), five(bits)]);
             (bits & VALID != 0).then_some(color)
         });
@@ -195,7 +256,7 @@ fn color(header: &[u8; HEADER], facets: &[Facet], parsed: &mut Parsed) {
             .notes
             .push("colours of facets as VisCAM writes them".to_owned());
     } else {
-        let count = attributes.filter(|bits| *bits != 0).count();
+        let count = bits.filter(|bits| *bits != 0).count();
         parsed
             .notes
             .push(format!("not used: attribute bytes of {count} facets"));
@@ -349,6 +410,10 @@ fn parsed_ascii(mesh: AsciiMesh<'_>, solids: usize, is_cut_short: bool) -> Parse
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::read_mesh;
+    use crate::random::Random;
+    use crate::scene::{Mesh, Object, Scene};
+    use std::sync::Arc;
 
     fn parse(bytes: &[u8]) -> Result<Parsed, String> {
         read(Path::new("a.stl"), bytes, &Budget::default(), &|_| ())
@@ -385,6 +450,44 @@ mod tests {
             assert!(parsed.mesh.materials.is_empty());
             assert_eq!(parsed.warnings, [""; 0]);
         }
+    }
+
+    /// Of more facets than are read at once, one of which has a colour.
+    #[test]
+    fn a_file_is_read_in_place_as_in_memory() {
+        let mut random = Random(31);
+        let mut coordinate = || (random.unit() * 30.0).floor() as f32;
+        let mut corner = || [coordinate(), coordinate(), coordinate()];
+        let facets: Vec<Vec<u8>> = (0..40_000)
+            .map(|index| {
+                let color = if index == 33_333 { 0x8000 | 31 } else { 0 };
+                facet([corner(), corner(), corner()], color)
+            })
+            .collect();
+        let bytes = file("", &facets);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.stl");
+        std::fs::write(&path, &bytes).expect("a file");
+        let in_place = read_mesh(&path, &|_| ()).expect("a good file");
+        let Parsed { mesh, .. } = parse(&bytes).expect("a good file");
+        let colored = mesh.material_of_triangle.iter().filter(|&&of| {
+            let material = mesh.materials.get(of as usize);
+            material.is_some_and(|material| material.color == Color([0, 0, 255]))
+        });
+        assert_eq!(colored.count(), 1);
+        let content = |mesh| {
+            let object = Object::new("a", Arc::new(mesh));
+            Scene {
+                objects: vec![object],
+            }
+            .content()
+        };
+        assert_eq!(content(in_place), content(Mesh::new(mesh)));
+        // A file that is cut after it was looked at.
+        let cut = &bytes[..bytes.len() - 1];
+        let from: (ReadAt<'_>, u64) = (&bytes_at(cut), bytes.len() as u64);
+        let refused = read_binary(&path, from, &Budget::default(), &|_| ());
+        assert!(refused.is_err());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::num::simd::prefetch;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::hash::{BuildHasher, RandomState};
+use std::ops::Range;
 
 /// A set of distinct vertices.
 #[derive(Debug)]
@@ -216,59 +217,75 @@ fn bits(position: DVec3) -> [u64; 3] {
 /// The least number of triangles in one parallel task.
 const MIN_TASK: usize = 1 << 12;
 
-/// Welds `count` triangles of these corners; returns vertices and triangles. `progress` is called, from any thread,
-/// with the number of triangles that are done.
+/// Welds `count` triangles; returns vertices and triangles. Each thread makes itself a `reader` that appends the corners of
+/// a range of triangles to a list. `progress` is called, from any thread, with the number of triangles that are done.
 ///
 /// Halves are welded in parallel, and the second half's vertices are then looked up among the first's, in parallel too where
 /// no others follow: the order of vertices is that of welding sequentially.
-pub(super) fn weld(
+///
+/// # Errors
+/// Those of reading.
+pub(super) fn weld<Read, Error>(
     count: usize,
-    corners: &(impl Fn(usize) -> [DVec3; 3] + Sync),
+    reader: &(impl Fn() -> Read + Sync),
     progress: &(impl Fn(usize) + Sync),
-) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+) -> Result<(Vec<DVec3>, Vec<[u32; 3]>), Error>
+where
+    Read: FnMut(Range<usize>, &mut Vec<DVec3>) -> Result<(), Error>,
+    Error: Send,
+{
     let mut triangles = vec![[0; 3]; count];
     let leaf = count.div_ceil(rayon::current_num_threads()).max(MIN_TASK);
     let part = Part {
         leaf,
-        corners,
+        reader,
         progress,
     };
-    let vertices = part.weld(0, &mut triangles, true);
-    (vertices.into_positions(), triangles)
+    let vertices = part.weld(0, &mut triangles, true)?;
+    Ok((vertices.into_positions(), triangles))
 }
 
-struct Part<'a, C, P> {
+struct Part<'a, R, P> {
     leaf: usize,
-    corners: &'a C,
+    reader: &'a R,
     progress: &'a P,
 }
 
-impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
+impl<R: Sync, P: Fn(usize) + Sync> Part<'_, R, P> {
     /// `are_all` says that nothing else will be welded to these.
-    fn weld(&self, first: usize, triangles: &mut [[u32; 3]], are_all: bool) -> Vertices {
+    fn weld<Read, Error>(
+        &self,
+        first: usize,
+        triangles: &mut [[u32; 3]],
+        are_all: bool,
+    ) -> Result<Vertices, Error>
+    where
+        R: Fn() -> Read,
+        Read: FnMut(Range<usize>, &mut Vec<DVec3>) -> Result<(), Error>,
+        Error: Send,
+    {
         if triangles.len() <= self.leaf {
             // A closed mesh has half as many vertices as triangles, and a part of one has some more.
             let mut vertices = Vertices::with_capacity(triangles.len() / 8 * 5 + 2);
             let (mut corners, mut numbers) = (Vec::new(), Vec::new());
-            let mut first = first;
+            let (mut read, mut first) = ((self.reader)(), first);
             for triangles in triangles.chunks_mut(MIN_TASK) {
                 corners.clear();
-                let all = first..first + triangles.len();
-                corners.extend(all.flat_map(|triangle| (self.corners)(triangle)));
+                read(first..first + triangles.len(), &mut corners)?;
                 vertices.numbers(&corners, &mut numbers);
                 triangles.as_flattened_mut().copy_from_slice(&numbers);
                 (self.progress)(triangles.len());
                 first += triangles.len();
             }
-            return vertices;
+            return Ok(vertices);
         }
         let half = triangles.len() / 2;
         let (left, right) = triangles.split_at_mut(half);
-        let (mut vertices, others) = rayon::join(
+        let (vertices, others) = rayon::join(
             || self.weld(first, left, false),
             || self.weld(first + half, right, false),
         );
-        let others = others.into_positions();
+        let (mut vertices, others) = (vertices?, others?.into_positions());
         let numbers = if are_all {
             vertices.append(&others)
         } else {
@@ -280,7 +297,7 @@ impl<C: Fn(usize) -> [DVec3; 3] + Sync, P: Fn(usize) + Sync> Part<'_, C, P> {
             .par_iter_mut()
             .with_min_len(MIN_TASK)
             .for_each(|triangle| *triangle = triangle.map(|other| numbers[other as usize]));
-        vertices
+        Ok(vertices)
     }
 }
 
@@ -302,10 +319,18 @@ mod tests {
         let welded = [1, 2, 5].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.expect("threads can be started");
-            pool.install(|| weld(corners.len(), &|index| corners[index], &|_| ()))
+            let reader = || {
+                |range: Range<usize>, to: &mut Vec<DVec3>| {
+                    to.extend(corners[range].as_flattened());
+                    Ok::<(), ()>(())
+                }
+            };
+            pool.install(|| weld(corners.len(), &reader, &|_| ()))
         });
         assert!(welded[0] == welded[1] && welded[0] == welded[2]);
-        let [(positions, triangles), ..] = welded;
+        let [Ok((positions, triangles)), ..] = welded else {
+            panic!("nothing failed");
+        };
         let mut numbers = HashMap::new();
         let mut expected = Vec::new();
         for corner in corners.iter().flatten() {

@@ -31,7 +31,6 @@ mod write;
 
 pub(super) use header::is_prepared;
 pub(super) use read::{Prepared, read, read_from};
-pub(super) use source::ReadAt;
 pub use write::{PrepareError, write_prepared};
 
 #[cfg(test)]

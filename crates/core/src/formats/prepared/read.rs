@@ -4,12 +4,13 @@ use super::checksum::BYTES;
 use super::decoder::Decoder;
 use super::header::{self, HEADER_BYTES};
 use super::object::{self, PreparedObject};
-use super::source::{ReadAt, Source};
+use super::source::Source;
 use super::{mesh, texture};
 use crate::formats::Progress;
 use crate::formats::error::FormatError;
 use crate::formats::length_unit::LengthUnit;
 use crate::formats::limits::Budget;
+use crate::formats::read_at::{ReadAt, bytes_at};
 use glam::DAffine3;
 use std::io;
 use std::path::Path;
@@ -32,13 +33,8 @@ pub(in crate::formats) fn read(
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Prepared, FormatError> {
-    let read_at = |at: u64, to: &mut [u8]| {
-        let from = usize::try_from(at).ok().and_then(|at| bytes.get(at..));
-        let from = from.and_then(|from| from.get(..to.len()));
-        to.copy_from_slice(from.ok_or(io::ErrorKind::UnexpectedEof)?);
-        Ok(())
-    };
-    read_from(path, (&read_at, bytes.len() as u64), budget, progress)
+    let from: (ReadAt<'_>, u64) = (&bytes_at(bytes), bytes.len() as u64);
+    read_from(path, from, budget, progress)
 }
 
 /// Decodes and checks a prepared file of `length` bytes.

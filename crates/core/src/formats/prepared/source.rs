@@ -2,11 +2,9 @@
 
 use super::checksum::{BLOCK, BYTES, block_checksum, file_checksum};
 use crate::digest::Digester;
+use crate::formats::read_at::ReadAt;
 use rayon::prelude::*;
 use std::io;
-
-/// Fills the whole slice from an offset in a file.
-pub(in crate::formats) type ReadAt<'s> = &'s (dyn Fn(u64, &mut [u8]) -> io::Result<()> + Sync);
 
 /// The size of the read-ahead buffer for small fields; slices as large are read directly, whole blocks of them by
 /// several threads. With a larger buffer, longer lists go through it, which costs one more copy on one thread; with a
