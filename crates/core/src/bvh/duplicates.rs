@@ -2,18 +2,26 @@
 
 use super::corner_hash::bits;
 use super::flatten::World;
+use crate::num::simd::prefetch;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bits of the hash filter for each triangle. About one in so many triangles without a copy shares its bit with
-/// another one, and is compared corner by corner: with fewer bits more are compared, with more the filter takes more
-/// memory.
+/// Bits of the first hash filter for each triangle. About one in so many triangles without a copy shares its bit with
+/// another one: with fewer bits the second filter has more hashes, with more the first takes more memory.
 const BITS_EACH: usize = 32;
+
+/// Bits of the second hash filter for each hash in it. About one in so many of the other triangles shares its bit with one
+/// of these, and is compared corner by corner. With more bits the filter does not fit a processor's cache.
+const BITS_EACH_AGAIN: usize = 64;
 
 /// The fewest triangles for which two threads are used: with fewer, starting a task takes longer than it saves; with
 /// more, threads idle.
 const TOGETHER: usize = 1 << 12;
+
+/// Hashes whose bits are fetched from memory together. One by one, each is waited for, since setting a bit that other
+/// threads set too lets nothing overtake it: that took three times as long.
+const BLOCK: usize = 64;
 
 /// The triangles that are duplicates: another triangle with a lower number has the same three corners in the same winding
 /// order. `numbers` ascend; the result are indices into them, ascending.
@@ -57,47 +65,71 @@ fn turned(corners: [[u32; 3]; 3]) -> [[u32; 3]; 3] {
 
 /// Hashes that occur more than once, and a few others, each with its index: equal ones together, indices ascending.
 fn suspects(hashes: &[u32]) -> Vec<(u32, u32)> {
-    let bits = (hashes.len() * BITS_EACH).next_power_of_two().max(64);
-    let at = |hash: u32| {
-        // The highest bits are the best mixed.
-        let at = (u64::from(hash) * bits as u64) >> u32::BITS;
-        ((at / 64) as usize, 1u64 << (at % 64))
-    };
-    let all = || hashes.par_iter().copied().with_min_len(TOGETHER);
-    let seen = Bits::new(bits);
-    let again: Vec<u32> = all().filter(|&hash| seen.set(at(hash))).collect();
+    let seen = HashFilter::with_room(hashes.len() * BITS_EACH);
+    let blocks = hashes.par_chunks(BLOCK).with_min_len(TOGETHER / BLOCK);
+    let again: Vec<u32> = blocks
+        .flat_map_iter(|block| {
+            block.iter().for_each(|&hash| seen.prefetch(hash));
+            block.iter().copied().filter(|&hash| seen.insert(hash))
+        })
+        .collect();
     if again.is_empty() {
         return Vec::new();
     }
     // Which of several equal hashes came first depends on the threads; that there are several does not.
-    let twice = Bits::new(bits);
+    let twice = HashFilter::with_room(again.len() * BITS_EACH_AGAIN);
     for &hash in &again {
-        twice.set(at(hash));
+        twice.insert(hash);
     }
-    let mut suspects: Vec<(u32, u32)> = all()
+    let all = hashes.par_iter().copied().with_min_len(TOGETHER);
+    let mut suspects: Vec<(u32, u32)> = all
         .enumerate()
-        .filter(|&(_, hash)| twice.get(at(hash)))
+        .filter(|&(_, hash)| twice.may_contain(hash))
         .map(|(place, hash)| (hash, place as u32))
         .collect();
     suspects.par_sort_unstable();
     suspects
 }
 
-/// Bits that several threads set.
-struct Bits(Vec<AtomicU64>);
+/// A set of hashes to which several threads add, with a bit for each (Bloom, "Space/Time Trade-offs in Hash Coding with
+/// Allowable Errors", 1970).
+struct HashFilter {
+    bits: Vec<AtomicU64>,
+}
 
-impl Bits {
-    fn new(bits: usize) -> Self {
-        Self((0..bits / 64).map(|_| AtomicU64::new(0)).collect())
+impl HashFilter {
+    /// Empty, with so many bits or up to twice as many.
+    fn with_room(bits: usize) -> Self {
+        let words = bits.next_power_of_two().max(64) / 64;
+        Self {
+            bits: (0..words).map(|_| AtomicU64::new(0)).collect(),
+        }
     }
 
-    /// Sets a bit of a word; returns whether it was set before.
-    fn set(&self, (word, bit): (usize, u64)) -> bool {
-        self.0[word].fetch_or(bit, Ordering::Relaxed) & bit != 0
+    /// A hash's word, and its bit in it.
+    #[inline]
+    fn place(&self, hash: u32) -> (usize, u64) {
+        // The highest bits are the best mixed.
+        let place = (u64::from(hash) * (64 * self.bits.len() as u64)) >> u32::BITS;
+        ((place / 64) as usize, 1 << (place % 64))
     }
 
-    fn get(&self, (word, bit): (usize, u64)) -> bool {
-        self.0[word].load(Ordering::Relaxed) & bit != 0
+    #[inline]
+    fn prefetch(&self, hash: u32) {
+        prefetch(&self.bits, self.place(hash).0);
+    }
+
+    /// Adds a hash; returns whether it, or one with the same bit, was there before.
+    #[inline]
+    fn insert(&self, hash: u32) -> bool {
+        let (word, bit) = self.place(hash);
+        self.bits[word].fetch_or(bit, Ordering::Relaxed) & bit != 0
+    }
+
+    #[inline]
+    fn may_contain(&self, hash: u32) -> bool {
+        let (word, bit) = self.place(hash);
+        self.bits[word].load(Ordering::Relaxed) & bit != 0
     }
 }
 
