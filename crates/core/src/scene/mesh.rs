@@ -63,8 +63,7 @@ impl Mesh {
     /// Checks and stores `data`. A mesh that lies further from the origin than it is long is recentred; triangles
     /// that no ray could hit are dropped and counted.
     pub fn new(data: MeshData) -> Self {
-        let triangles = &data.triangles;
-        let (usable, mut dropped, bounds) = usable(&data);
+        let (unusable, mut dropped, bounds) = unusable(&data);
         let offset = recentring_offset(&bounds);
         let positions: Vec<Vec3> = data
             .positions
@@ -74,37 +73,45 @@ impl Mesh {
             .collect();
 
         let moves = Moves::new(&data.positions, &positions, offset);
-        let keep = |numbers: &[u32]| {
+        let drop_in = |(part, triangles): (usize, &[[u32; 3]])| {
+            let numbers = (part * CHUNK) as u32..;
+            let known = unusable.partition_point(|number| *number < numbers.start);
+            let mut known = unusable[known..].iter().peekable();
+            let mut removed = Vec::new();
             let mut dropped = Dropped::default();
             let mut rounding = Measure::new(&moves);
-            let is_kept = |number: &u32| {
-                let triangle = triangles[*number as usize];
+            for (number, triangle) in numbers.zip(triangles) {
+                if known.next_if_eq(&&number).is_some() {
+                    removed.push(number);
+                    continue;
+                }
                 let [a, b, c] = triangle.map(|i| positions[i as usize]);
                 if !has_no_area(a, b, c) {
-                    rounding.add(triangle);
-                    return true;
+                    rounding.add(*triangle);
+                    continue;
                 }
+                removed.push(number);
                 let [a, b, c] = triangle.map(|i| data.positions[i as usize]);
                 if has_no_area_in_doubles(a, b, c) {
                     dropped.zero_area += 1;
                 } else {
                     dropped.rounded_away += 1;
                 }
-                false
-            };
-            let kept: Vec<u32> = numbers.iter().copied().filter(is_kept).collect();
-            (kept, dropped, rounding)
+            }
+            (removed, dropped, rounding)
         };
-        let parts: Vec<_> = usable.par_chunks(CHUNK).map(keep).collect();
+        let parts = data.triangles.par_chunks(CHUNK).enumerate();
+        let parts: Vec<_> = parts.map(drop_in).collect();
         let mut rounding = Measure::new(&moves);
-        let mut kept = Vec::with_capacity(parts.iter().map(|(kept, ..)| kept.len()).sum());
-        for (part, less, moved) in parts {
-            kept.extend(part);
+        let mut removed = Vec::new();
+        for (numbers, less, moved) in parts {
+            removed.extend(numbers);
             dropped.zero_area += less.zero_area;
             dropped.rounded_away += less.rounded_away;
             rounding.join(&moved);
         }
         let rounding = rounding.rounding();
+        let kept = all_but(data.triangles.len() as u32, &removed);
 
         let material_of_triangle = if data.materials.is_empty() {
             Vec::new()
@@ -325,38 +332,37 @@ fn has_no_area_in_doubles(a: DVec3, b: DVec3, c: DVec3) -> bool {
 /// Triangles, or vertices, in one parallel task.
 const CHUNK: usize = 1 << 15;
 
-/// The numbers of the triangles whose corners exist, are finite and within [`COORDINATE_LIMIT`]; the counts of the
-/// others; and the box around those triangles.
-fn usable(data: &MeshData) -> (Vec<u32>, Dropped, Bounds) {
+/// The numbers of the triangles with a corner that does not exist, is not finite or is not within [`COORDINATE_LIMIT`],
+/// ascending, and how many there are of each; and the box around the others.
+fn unusable(data: &MeshData) -> (Vec<u32>, Dropped, Bounds) {
     let part = |(part, triangles): (usize, &[[u32; 3]])| {
-        let mut numbers = Vec::with_capacity(triangles.len());
+        let mut numbers = Vec::new();
         let mut dropped = Dropped::default();
         let mut bounds = Bounds::EMPTY;
-        for (index, triangle) in triangles.iter().enumerate() {
-            let Some([a, b, c]) = data.corners(*triangle) else {
-                dropped.bad_index += 1;
-                continue;
+        for (number, triangle) in ((part * CHUNK) as u32..).zip(triangles) {
+            let reason = match data.corners(*triangle) {
+                None => &mut dropped.bad_index,
+                Some([a, b, c]) if !(a.is_finite() && b.is_finite() && c.is_finite()) => {
+                    &mut dropped.not_finite
+                }
+                Some([a, b, c]) => {
+                    let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+                    if reach <= COORDINATE_LIMIT {
+                        bounds.min = bounds.min.min(a).min(b).min(c);
+                        bounds.max = bounds.max.max(a).max(b).max(c);
+                        continue;
+                    }
+                    &mut dropped.too_far
+                }
             };
-            let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
-            if !(a.is_finite() && b.is_finite() && c.is_finite()) {
-                dropped.not_finite += 1;
-            } else if reach > COORDINATE_LIMIT {
-                dropped.too_far += 1;
-            } else {
-                numbers.push((part * CHUNK + index) as u32);
-                bounds.min = bounds.min.min(a).min(b).min(c);
-                bounds.max = bounds.max.max(a).max(b).max(c);
-            }
+            *reason += 1;
+            numbers.push(number);
         }
         (numbers, dropped, bounds)
     };
-    let parts: Vec<_> = data
-        .triangles
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(part)
-        .collect();
-    let mut numbers = Vec::with_capacity(parts.iter().map(|(part, ..)| part.len()).sum());
+    let parts = data.triangles.par_chunks(CHUNK).enumerate();
+    let parts: Vec<_> = parts.map(part).collect();
+    let mut numbers = Vec::new();
     let mut dropped = Dropped::default();
     let mut bounds = Bounds::EMPTY;
     for (part, less, around) in parts {
@@ -367,6 +373,17 @@ fn usable(data: &MeshData) -> (Vec<u32>, Dropped, Bounds) {
         bounds = bounds.union(around);
     }
     (numbers, dropped, bounds)
+}
+
+/// The numbers below `count` but for some, which ascend.
+fn all_but(count: u32, removed: &[u32]) -> Vec<u32> {
+    if removed.is_empty() {
+        let all = (0..count).into_par_iter().with_min_len(CHUNK);
+        return all.collect();
+    }
+    let mut removed = removed.iter().peekable();
+    let is_kept = |number: &u32| removed.next_if_eq(&number).is_none();
+    (0..count).filter(is_kept).collect()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::formats::limits::Share;
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
+use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,9 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
+
+/// The fewest elements for which two threads are used: with fewer, starting a task takes longer than it saves.
+pub(super) const TOGETHER: usize = 1 << 13;
 
 /// A glTF file and the resources that it names, each read on first use.
 pub(super) struct Data<'d> {
@@ -409,10 +413,10 @@ pub(super) struct Numbers<'d> {
 
 impl Numbers<'_> {
     /// The elements as `make` converts them; numbers that an element lacks are taken from `default`.
-    pub(super) fn values<const N: usize, T: Clone>(
+    pub(super) fn values<const N: usize, T: Clone + Send>(
         &self,
         default: [f64; N],
-        make: impl Fn([f64; N]) -> T,
+        make: impl Fn([f64; N]) -> T + Sync,
     ) -> Vec<T> {
         let width = self.width.min(N);
         let size = self.component.size();
@@ -429,7 +433,8 @@ impl Numbers<'_> {
             vec![make(zero); self.count]
         } else {
             let at = |index: usize| &self.bytes[index * self.stride..];
-            (0..self.count).map(|index| element(at(index))).collect()
+            let indices = (0..self.count).into_par_iter().with_min_len(TOGETHER);
+            indices.map(|index| element(at(index))).collect()
         };
         if let Some((at, replaced)) = &self.sparse {
             let replaced = replaced.chunks_exact(size * self.width);

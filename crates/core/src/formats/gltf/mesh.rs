@@ -1,14 +1,16 @@
 //! A glTF mesh: its primitives as one list of triangles.
 
-use super::data::Data;
+use super::data::{Data, TOGETHER};
 use super::json::Primitive;
 use super::material::{Base, Coordinates, Materials, color};
 use crate::formats::error::FormatError;
 use crate::formats::limits::Share;
 use crate::scene::{Attribute, Color, MeshData, Scalar, ScalarAt};
 use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::mem::size_of;
+use std::ops::Range;
 
 /// No index.
 const NONE: u32 = u32::MAX;
@@ -148,8 +150,17 @@ impl Builder<'_, '_, '_> {
             None => NONE,
             Some(material) => self.material(material, coordinates.is_some(), colors.is_some())?,
         };
-        self.mesh.material_of_triangle.resize(all, material);
+        self.assign(material, all - triangles..all);
         Ok(())
+    }
+
+    /// Gives a range of triangles, the last ones, a material, or [`NONE`]. Without materials there is no list.
+    fn assign(&mut self, material: u32, triangles: Range<usize>) {
+        let list = &mut self.mesh.material_of_triangle;
+        if material != NONE || !list.is_empty() {
+            list.resize(triangles.start, NONE);
+            list.resize(triangles.end, material);
+        }
     }
 
     /// Appends the triangles of a list (4), a strip (5) or a fan (6) of corners, numbered from `first`.
@@ -158,10 +169,9 @@ impl Builder<'_, '_, '_> {
         let triangles = &mut self.mesh.triangles;
         match mode {
             4 => {
-                let whole = corners
-                    .chunks_exact(3)
-                    .map(|c| triangle([c[0], c[1], c[2]]));
-                triangles.extend(whole);
+                let (whole, _) = corners.as_chunks();
+                let whole = whole.par_iter().with_min_len(TOGETHER);
+                triangles.par_extend(whole.map(|corners| triangle(*corners)));
             }
             5 => {
                 // Every second triangle is reversed, so that all have one orientation.
@@ -240,13 +250,13 @@ impl Builder<'_, '_, '_> {
             let normals = other(normals, "NORMAL", &["VEC3"])?;
             let unit = |normal| DVec3::from_array(normal).normalize_or_zero().as_vec3();
             self.normals.resize(first, Vec3::ZERO);
-            self.normals.extend(normals.values([0.0; 3], unit));
+            append(&mut self.normals, normals.values([0.0; 3], unit));
         }
         if let Some((uvs, coordinates)) = uvs {
             let uvs = other(uvs, "TEXCOORD", &["VEC2"])?;
             self.uvs.resize(first, Vec2::NAN);
-            self.uvs
-                .extend(uvs.values([0.0; 2], |uv| coordinates.apply(uv)));
+            let values = uvs.values([0.0; 2], |uv| coordinates.apply(uv));
+            append(&mut self.uvs, values);
         }
         if let Some(colors) = colors {
             let colors = other(colors, "COLOR_0", &["VEC3", "VEC4"])?;
@@ -254,7 +264,7 @@ impl Builder<'_, '_, '_> {
             let mixed = colors.values([0.0, 0.0, 0.0, 1.0], |[x, y, z, a]| {
                 Some(color([x * r, y * g, z * b, a]))
             });
-            self.mesh.colors.extend(mixed);
+            append(&mut self.mesh.colors, mixed);
         }
         for (name, index) in &scalars {
             let numbers = other(*index, name, &["SCALAR"])?;
@@ -269,14 +279,10 @@ impl Builder<'_, '_, '_> {
             }
             let values = &mut self.mesh.scalars[at].values;
             values.resize(first, f32::NAN);
-            values.extend(numbers.values([0.0], |[number]| number as f32));
+            append(values, numbers.values([0.0], |[number]| number as f32));
         }
         let positions = found.values([0.0; 3], DVec3::from_array);
-        if self.mesh.positions.is_empty() {
-            self.mesh.positions = positions;
-        } else {
-            self.mesh.positions.extend(positions);
-        }
+        append(&mut self.mesh.positions, positions);
         Ok((first as u32, count as u32))
     }
 
@@ -302,7 +308,8 @@ impl Builder<'_, '_, '_> {
             .budget()
             .share(data.path, "the indices", bytes as u64)?;
         let corners = data.indices(&numbers, &location)?;
-        match corners.iter().position(|&corner| corner >= count) {
+        let all = corners.par_iter().with_min_len(TOGETHER);
+        match all.position_first(|&corner| corner >= count) {
             None => Ok(corners),
             Some(at) => {
                 let expected = format!("indices of its {count} vertices");
@@ -352,6 +359,15 @@ impl Builder<'_, '_, '_> {
         mesh.normals = attribute(normals, &mesh.triangles, |normal| *normal != Vec3::ZERO);
         mesh.uvs = attribute(uvs, &mesh.triangles, |uv| uv.is_finite());
         mesh
+    }
+}
+
+/// Appends values to a list. The first ones are not copied: most meshes have one primitive.
+fn append<T>(list: &mut Vec<T>, mut values: Vec<T>) {
+    if list.is_empty() {
+        *list = values;
+    } else {
+        list.append(&mut values);
     }
 }
 
