@@ -4,6 +4,7 @@ use super::tree::{Box32, DEPTH_LIMIT, Node, Subtree, Tree};
 use super::treelet::{Treelets, middle, span};
 use crate::num::simd::prefetch;
 use obvhs::bvh2::Bvh2;
+use rayon::prelude::*;
 use std::mem::replace;
 
 /// The most triangles in a leaf. With fewer there are more nodes to store and traverse; with more, rays test more
@@ -14,9 +15,15 @@ pub(super) const LEAF_LIMIT: usize = 4;
 /// with a larger limit, threads idle near the leaves.
 const PARALLEL: usize = 1 << 12;
 
+/// A list to be filled. Most of the time for a long one goes into new memory, which several threads get sooner.
+fn defaults<T: Default + Send>(count: usize) -> Vec<T> {
+    let all = (0..count).into_par_iter().with_min_len(PARALLEL);
+    all.map(|_| T::default()).collect()
+}
+
 /// A tree built by median splits alone. Its depth is logarithmic whatever the boxes.
 pub(super) fn halved(boxes: &[Box32], mut order: Vec<u32>) -> (Tree, Vec<u32>) {
-    let mut nodes = vec![Node::default(); halving_nodes(order.len())];
+    let mut nodes = defaults(halving_nodes(order.len()));
     let root = halve(boxes, LayoutOffset::default(), &mut nodes, &mut order);
     (Tree::new(nodes, root), order)
 }
@@ -161,7 +168,7 @@ impl<'a> Layout<'a> {
         let mut measure = Measure {
             treelets,
             clusters,
-            sizes: vec![SubtreeSize::default(); clusters.nodes.len()],
+            sizes: defaults(clusters.nodes.len()),
             has_parent: vec![false; clusters.nodes.len()],
             seen: vec![false; treelets.len()],
         };
@@ -185,7 +192,7 @@ impl<'a> Layout<'a> {
     /// The tree, and the indices of its boxes in leaf order.
     pub(super) fn tree(&self) -> (Tree, Vec<u32>) {
         let all = self.sizes[0];
-        let mut nodes = vec![Node::default(); all.nodes as usize];
+        let mut nodes = defaults(all.nodes as usize);
         let mut order = vec![0; all.primitives as usize];
         let root = self.lay_out(0, LayoutOffset::default(), &mut nodes, &mut order);
         (Tree::new(nodes, root), order)

@@ -7,6 +7,7 @@ use crate::formats::polygon::Polygon;
 use crate::formats::tokens::Found;
 use crate::quote;
 use crate::scene::{Color, MeshData, Scalar, ScalarAt};
+use bytemuck::allocation::zeroed_vec;
 use glam::{DVec3, Vec2, Vec3};
 use std::mem::size_of;
 use std::path::Path;
@@ -102,10 +103,11 @@ impl<V: Values> Reader<'_, V> {
             + scalars.len() * count * size_of::<f32>();
         // Counted again as a mesh once all is read.
         drop(self.budget.share(self.path, "the mesh", bytes as u64)?);
-        self.mesh.positions = vec![DVec3::ZERO; count];
+        // Memory that the system has cleared: the threads that fill it are the first to touch it.
+        self.mesh.positions = zeroed_vec(count);
         self.mesh.colors = vec![None; colors];
-        self.normals = vec![Vec3::ZERO; normals];
-        self.uvs = vec![Vec2::ZERO; uvs];
+        self.normals = zeroed_vec(normals);
+        self.uvs = zeroed_vec(uvs);
         let scalar = |name| Scalar {
             name,
             at: ScalarAt::Vertices,
