@@ -246,10 +246,14 @@ fn meshes_and_trees_beyond_memory_are_refused() {
     let mut head = vec![0; 80];
     head.extend(facets.to_le_bytes());
     let mesh = write(folder.path(), "large.stl", head);
-    let file = std::fs::File::options().write(true).open(&mesh);
+    // An OBJ, unlike an STL, is read as a whole.
+    let text = write(folder.path(), "large.obj", b"v 0 0 0\n");
     let length = 84 + 50 * u64::from(facets);
-    file.and_then(|file| file.set_len(length))
-        .expect("a sparse file");
+    for path in [&mesh, &text] {
+        let file = std::fs::File::options().write(true).open(path);
+        file.and_then(|file| file.set_len(length))
+            .expect("a sparse file");
+    }
     write_rays(&at("rays"), &[]);
     let cast = arguments!["cast", &mesh, "--rays", at("rays"), "--hits", at("hits")];
     for (kibibytes, arguments, expected) in [
@@ -261,8 +265,8 @@ fn meshes_and_trees_beyond_memory_are_refused() {
         ),
         (
             500_000,
-            arguments!["info", &mesh],
-            "large.stl: the file takes 200000084 bytes",
+            arguments!["info", &text],
+            "large.obj: the file takes 200000084 bytes",
         ),
     ] {
         let mut shell = Command::new("sh");
@@ -282,7 +286,7 @@ fn meshes_and_trees_beyond_memory_are_refused() {
             );
         }
     }
-    assert_eq!(names(folder.path()), ["large.stl", "rays"]);
+    assert_eq!(names(folder.path()), ["large.obj", "large.stl", "rays"]);
 }
 
 /// From the least address space that the program starts in: every thread and every allocation may be refused.
