@@ -264,6 +264,11 @@ fn meshes_and_trees_beyond_memory_are_refused() {
             "ball:6000000: the tree over 6000000 triangles",
         ),
         (
+            600_000,
+            arguments!["info", &mesh],
+            "large.stl: the tree over 4000000 triangles",
+        ),
+        (
             500_000,
             arguments!["info", &text],
             "large.obj: the file takes 200000084 bytes",

@@ -251,6 +251,8 @@ fn inspect(path: &Path, args: &InfoArgs) -> Result<FileInfo, Failure> {
     let load_time = loading.elapsed();
     progress.building();
     let building = Instant::now();
+    let name = path.display().to_string();
+    memory::check_tree(&name, setup::stored_triangles(&scene))?;
     let accel = setup::tree(&scene)?;
     let build_time = building.elapsed();
     let bounds = setup::bounds(&scene, &accel);
