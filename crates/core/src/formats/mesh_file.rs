@@ -5,7 +5,7 @@ use super::length_unit::LengthUnit;
 use super::limits::Budget;
 use super::parsed::Parsed;
 use super::placed_meshes::PlacedMeshes;
-use super::read_at::ReadAt;
+use super::random_access::RandomAccess;
 use super::scene_file::FileKind;
 use super::unpack::{inner_name, unpack};
 use super::{Progress, gltf, obj, off, ply, prepared, stl, threemf, triangle_text};
@@ -201,22 +201,22 @@ fn store_one(
     })
 }
 
-/// Reads a mesh file of so many bytes from where they are.
+/// Reads a mesh file from where it is.
 pub(super) fn read_in_place(
     path: &Path,
     kind: KindInPlace,
-    from: (ReadAt<'_>, u64),
+    file: RandomAccess<'_>,
     files: &dyn Files,
     progress: Progress<'_>,
 ) -> Result<MeshFile, FormatError> {
     let budget = files.budget();
     match kind {
         KindInPlace::Prepared => {
-            let prepared = prepared::read_from(path, from, budget, progress)?;
+            let prepared = prepared::read_from(path, file, budget, progress)?;
             Ok(prepared_objects(path, prepared, None, files))
         }
         KindInPlace::Stl => {
-            let parsed = stl::read_binary(path, from, budget, progress)?;
+            let parsed = stl::read_binary(path, file, budget, progress)?;
             store_one(path, FileKind::Stl, parsed, files, budget.limits().up_axis)
         }
     }

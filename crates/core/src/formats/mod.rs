@@ -22,8 +22,8 @@ mod placed_meshes;
 mod ply;
 mod polygon;
 mod prepared;
+mod random_access;
 mod ray_file;
-mod read_at;
 mod scene_animation;
 #[cfg(test)]
 mod scene_error_tests;
@@ -66,7 +66,7 @@ use disk::Disk;
 use files::{Files, NamedBy};
 use held::Held;
 use mesh_file::MeshTexture;
-use read_at::ReadAt;
+use random_access::RandomAccess;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -123,7 +123,10 @@ fn read_in_place(
     let kind = |first: &_, length| kind::kind_in_place(path, first, length);
     let (file, kind) = disk.open_if(path, kind)?;
     let read_at = |at: u64, to: &mut [u8]| file.read_at(at, to);
-    let from: (ReadAt<'_>, u64) = (&read_at, file.length);
+    let from = RandomAccess {
+        read_at: &read_at,
+        length: file.length,
+    };
     Some(mesh_file::read_in_place(path, kind, from, disk, progress))
 }
 

@@ -7,7 +7,7 @@ use super::group_statements::GroupStatements;
 use super::limits::Budget;
 use super::parsed::Parsed;
 use super::polygon::{self, Polygon};
-use super::read_at::{ReadAt, bytes_at};
+use super::random_access::{RandomAccess, bytes_at};
 use super::tokens::{Found, Tokens};
 use super::weld::{Vertices, weld};
 use crate::quote;
@@ -71,7 +71,10 @@ pub(super) fn read(
     if !is_binary(bytes) && is_ascii(bytes) {
         ascii(path, bytes, budget, progress)
     } else {
-        let from: (ReadAt<'_>, u64) = (&bytes_at(bytes), bytes.len() as u64);
+        let from = RandomAccess {
+            read_at: &bytes_at(bytes),
+            length: bytes.len() as u64,
+        };
         read_binary(path, from, budget, progress)
     }
 }
@@ -80,21 +83,23 @@ fn no_triangles(path: &Path) -> FormatError {
     FormatError::unexpected(path, None, "facets", "none")
 }
 
-/// Reads a binary STL of `length` bytes, a part at a time: new memory for all of them would take longer than to decode
+/// Reads a binary STL, a part at a time: new memory for all of them would take longer than to decode
 /// them.
 pub(super) fn read_binary(
     path: &Path,
-    (read_at, length): (ReadAt<'_>, u64),
+    file: RandomAccess<'_>,
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Parsed, FormatError> {
+    let length = file.length;
     if length < HEADER as u64 {
         let expected = format!("the {HEADER} bytes that a binary STL begins with");
         let found = format!("{length}: it is cut short");
         return Err(FormatError::unexpected(path, None, expected, found));
     }
     let mut header = [0; HEADER];
-    read_at(0, &mut header).map_err(|error| FormatError::io(path, error))?;
+    file.read(0, &mut header)
+        .map_err(|error| FormatError::io(path, error))?;
     let count = count(&header);
     let Some(left) = length.checked_sub(length_of(count)) else {
         let bytes = length_of(count);
@@ -126,7 +131,7 @@ pub(super) fn read_binary(
 
     let facets = Facets {
         path,
-        read_at,
+        file,
         budget,
         count: count as usize,
     };
@@ -173,7 +178,7 @@ pub(super) fn read_binary(
 #[derive(Clone, Copy)]
 struct Facets<'f> {
     path: &'f Path,
-    read_at: ReadAt<'f>,
+    file: RandomAccess<'f>,
     budget: &'f Budget,
     count: usize,
 }
@@ -187,7 +192,7 @@ impl Facets<'_> {
     ) -> Result<&'b [Facet], FormatError> {
         self.budget.check_cancelled(self.path)?;
         bytes.resize(range.len() * FACET, 0);
-        let read = (self.read_at)((HEADER + range.start * FACET) as u64, bytes);
+        let read = self.file.read((HEADER + range.start * FACET) as u64, bytes);
         read.map_err(|error| FormatError::io(self.path, error))?;
         Ok(bytes.as_chunks().0)
     }
@@ -485,7 +490,10 @@ mod tests {
         assert_eq!(content(in_place), content(Mesh::new(mesh)));
         // A file that is cut after it was looked at.
         let cut = &bytes[..bytes.len() - 1];
-        let from: (ReadAt<'_>, u64) = (&bytes_at(cut), bytes.len() as u64);
+        let from = RandomAccess {
+            read_at: &bytes_at(cut),
+            length: bytes.len() as u64,
+        };
         let refused = read_binary(&path, from, &Budget::default(), &|_| ());
         assert!(refused.is_err());
     }

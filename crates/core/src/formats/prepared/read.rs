@@ -10,7 +10,7 @@ use crate::formats::Progress;
 use crate::formats::error::FormatError;
 use crate::formats::length_unit::LengthUnit;
 use crate::formats::limits::Budget;
-use crate::formats::read_at::{ReadAt, bytes_at};
+use crate::formats::random_access::{RandomAccess, bytes_at};
 use glam::DAffine3;
 use std::io;
 use std::path::Path;
@@ -33,35 +33,38 @@ pub(in crate::formats) fn read(
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Prepared, FormatError> {
-    let from: (ReadAt<'_>, u64) = (&bytes_at(bytes), bytes.len() as u64);
+    let from = RandomAccess {
+        read_at: &bytes_at(bytes),
+        length: bytes.len() as u64,
+    };
     read_from(path, from, budget, progress)
 }
 
-/// Decodes and checks a prepared file of `length` bytes.
+/// Decodes and checks a prepared file.
 pub(in crate::formats) fn read_from(
     path: &Path,
-    (read_at, length): (ReadAt<'_>, u64),
+    file: RandomAccess<'_>,
     budget: &Budget,
     progress: Progress<'_>,
 ) -> Result<Prepared, FormatError> {
     let failed = |error| FormatError::io(path, error);
     let mut first = [0; HEADER_BYTES];
-    let first = &mut first[..HEADER_BYTES.min(length as usize)];
-    read_at(0, first).map_err(failed)?;
-    header::check(path, first, length)?;
-    let Some(end) = usize::try_from(length)
+    let first = &mut first[..HEADER_BYTES.min(file.length as usize)];
+    file.read(0, first).map_err(failed)?;
+    header::check(path, first, file.length)?;
+    let Some(end) = usize::try_from(file.length)
         .ok()
         .and_then(|all| all.checked_sub(BYTES))
     else {
         return Err(failed(io::ErrorKind::OutOfMemory.into()));
     };
-    let mut source = Source::new(read_at, end);
+    let mut source = Source::new(file, end);
     source.take(first).map_err(failed)?;
     let mut from = Decoder::new(path, source, budget)?;
     let prepared = contents(&mut from, progress);
     // A damaged file can fail to decode in any way: report the damage, not the decoding error that it caused.
     let mut stored = [0; BYTES];
-    read_at(end as u64, &mut stored).map_err(failed)?;
+    file.read(end as u64, &mut stored).map_err(failed)?;
     from.verify(stored)?;
     let prepared = prepared?;
     from.keep();

@@ -2,7 +2,7 @@
 
 use super::checksum::{BLOCK, BYTES, block_checksum, file_checksum};
 use crate::digest::Digester;
-use crate::formats::read_at::ReadAt;
+use crate::formats::random_access::RandomAccess;
 use rayon::prelude::*;
 use std::io;
 
@@ -13,7 +13,7 @@ const READ_AHEAD: usize = 1 << 16;
 
 /// A stream over a file's bytes, without its checksum.
 pub(super) struct Source<'s> {
-    read_at: ReadAt<'s>,
+    file: RandomAccess<'s>,
     /// The number of bytes.
     length: usize,
     /// The number of bytes taken.
@@ -25,9 +25,9 @@ pub(super) struct Source<'s> {
 
 impl<'s> Source<'s> {
     /// A stream over the first `length` bytes of a file.
-    pub(super) fn new(read_at: ReadAt<'s>, length: usize) -> Self {
+    pub(super) fn new(file: RandomAccess<'s>, length: usize) -> Self {
         Self {
-            read_at,
+            file,
             length,
             taken: 0,
             ahead: (Vec::new(), 0),
@@ -59,7 +59,7 @@ impl<'s> Source<'s> {
                     return self.take_directly(to);
                 }
                 ahead.resize(READ_AHEAD.min(self.length - self.taken), 0);
-                (self.read_at)(self.taken as u64, ahead)?;
+                self.file.read(self.taken as u64, ahead)?;
                 *used = 0;
             }
             let count = to.len().min(ahead.len() - *used);
@@ -88,10 +88,10 @@ impl<'s> Source<'s> {
         let (whole, last) = rest.split_at_mut(rest.len() / BLOCK * BLOCK);
         self.take_piece(first)?;
         let start = self.taken as u64;
-        let read_at = self.read_at;
+        let file = self.file;
         let blocks = whole.par_chunks_mut(BLOCK).enumerate();
         let sums = blocks.map(|(number, block)| {
-            read_at(start + (number * BLOCK) as u64, block)?;
+            file.read(start + (number * BLOCK) as u64, block)?;
             Ok(block_checksum(block))
         });
         let sums = sums.collect::<io::Result<Vec<_>>>()?;
@@ -101,7 +101,7 @@ impl<'s> Source<'s> {
     }
 
     fn take_piece(&mut self, to: &mut [u8]) -> io::Result<()> {
-        (self.read_at)(self.taken as u64, to)?;
+        self.file.read(self.taken as u64, to)?;
         self.taken += to.len();
         self.sums.add(to);
         Ok(())
@@ -178,7 +178,11 @@ mod tests {
                 Ok(())
             };
             for share in [0.001, 0.3, 1.0] {
-                let mut source = Source::new(&read_at, length);
+                let file = RandomAccess {
+                    read_at: &read_at,
+                    length: length as u64,
+                };
+                let mut source = Source::new(file, length);
                 let mut taken = Vec::new();
                 while taken.len() < length / 10 * 9 {
                     let most = (length as f64 * share) as usize + 2;
