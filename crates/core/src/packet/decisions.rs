@@ -54,7 +54,7 @@ impl<'a> Decisions<'a> {
             },
             planes_along_rays: Vec::new(),
             edge_on: EdgeOn::new(camera, accel.origin),
-            coplanar: Coplanar::new(),
+            coplanar: Coplanar::new(accel.len()),
             plane_orders: PlaneOrders::new(),
             plane_keys: None,
             ray_starts: RayStarts::new(lattice),
@@ -142,9 +142,12 @@ impl<'a> Decisions<'a> {
         side
     }
 
-    /// Whether two triangles are known to lie in one plane, and rays that hit both hit the first one first.
-    pub(super) fn is_first_in_plane(&self, first: u32, second: u32) -> bool {
-        self.coplanar.are_known(first, second) && self.accel.id(first) < self.accel.id(second)
+    /// The primitive id of a triangle that is known to lie in the plane that depth keys are relative to. Of two such
+    /// triangles that a ray hits, the one with the lower id is hit first.
+    pub(super) fn id_in_plane(&self, primitive: u32) -> Option<u32> {
+        let keys = self.plane_keys.as_ref()?;
+        let is_known = self.coplanar.are_known(keys.primitive(), primitive);
+        is_known.then(|| self.accel.id(primitive))
     }
 
     /// Sets up those of eight triangles again whose depth keys are inaccurate, where keys are relative to a plane.

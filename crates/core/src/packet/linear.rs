@@ -75,7 +75,8 @@ impl Linear {
     };
 
     /// Of eight neighbours in a row, the first of which is at this place, as bits: those where the function, which is off
-    /// by at most `error`, is surely positive, and those where it is surely negative.
+    /// by at most `error`, the roundings of evaluating it here among that, is surely positive, and those where it is surely
+    /// negative.
     pub(super) fn signs_in_row(&self, (column, row): (f64, f64), error: f64) -> [u32; 2] {
         const ALL: u32 = (1 << LANES) - 1;
         let from = self.constant + self.y * row;

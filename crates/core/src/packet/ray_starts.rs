@@ -331,7 +331,7 @@ mod tests {
         let planes: Vec<[DVec3; 3]> = planes.collect();
         let alone: Vec<Accel> = planes.iter().map(|&corners| accel(vec![corners])).collect();
         let all = accel(planes);
-        let (mut starts, mut coplanar) = (RayStarts::new(&lattice), Coplanar::new());
+        let (mut starts, mut coplanar) = (RayStarts::new(&lattice), Coplanar::new(all.len()));
         let (mut both, mut sure, mut random) = ([0; 2], 0, Random(95));
         for (column, row) in [(0, 0), (32, 0), (32, 8)] {
             let packet = RayRect {

@@ -422,7 +422,7 @@ impl<'a, const INSTANCES: bool> Traversal<'a, INSTANCES> {
                 let is_occluded = match self.decisions.side_of_reference(primitive) {
                     SideOfPlane::Behind(nearest) => zbuffer.occludes(&rays, nearest),
                     SideOfPlane::Within => {
-                        zbuffer.covers_precede(rays.cells(), primitive, &self.decisions)
+                        zbuffer.sure_hits_precede(rays.cells(), primitive, &self.decisions)
                     }
                     SideOfPlane::Neither => false,
                 };

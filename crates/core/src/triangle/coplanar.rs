@@ -8,9 +8,10 @@ use super::exact::lies_in_plane;
 use crate::hit::MISS;
 use glam::Vec3;
 
-/// Triangles in the cache: 32 kB, allocated where triangles may share a plane. Triangles with the same hash evict one
-/// another: with fewer entries they are compared again, with more the cache pushes the packet out.
-const CACHED: usize = 4096;
+/// The most triangles in the cache, 128 kB, allocated where triangles may share a plane. Triangles whose indices have the
+/// same low bits evict one another, and are compared again: with a quarter, casting 12,000 triangles of one plane took
+/// twice as long. With more it would fill a core's second-level cache.
+const CACHED: usize = 1 << 14;
 
 /// Whether two triangles lie in exactly one plane. Neither must be degenerate.
 pub(crate) fn are_coplanar(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
@@ -41,19 +42,22 @@ pub(crate) fn share_plane_of_axis(a: [Vec3; 3], b: [Vec3; 3]) -> bool {
 pub(crate) struct Coplanar {
     /// A primitive index, and that of a triangle in the same plane: the same one for all that were found to share it.
     planes: Vec<[u32; 2]>,
+    /// The entries of the cache, a power of two.
+    entries: usize,
 }
 
 impl Coplanar {
-    pub(crate) fn new() -> Self {
-        Self { planes: Vec::new() }
+    /// For a tree of so many triangles.
+    pub(crate) fn new(triangles: usize) -> Self {
+        Self {
+            planes: Vec::new(),
+            entries: triangles.clamp(1, CACHED).next_power_of_two(),
+        }
     }
 
     /// Whether two triangles lie in one plane; `corners` gives those of a primitive index. Neither must be degenerate.
     pub(crate) fn are(&mut self, a: u32, b: u32, corners: impl Fn(u32) -> [Vec3; 3]) -> bool {
-        if self.planes.is_empty() {
-            self.planes.resize(CACHED, [MISS; 2]);
-        }
-        if self.plane_of(a) == self.plane_of(b) {
+        if self.are_known(a, b) {
             return true;
         }
         let are_coplanar = are_coplanar(corners(a), corners(b));
@@ -66,11 +70,12 @@ impl Coplanar {
     /// Records that two triangles lie in one plane.
     pub(crate) fn join(&mut self, a: u32, b: u32) {
         if self.planes.is_empty() {
-            self.planes.resize(CACHED, [MISS; 2]);
+            self.planes.resize(self.entries, [MISS; 2]);
         }
         let plane = self.plane_of(a);
         for triangle in [a, b] {
-            self.planes[entry(triangle)] = [triangle, plane];
+            let entry = self.entry(triangle);
+            self.planes[entry] = [triangle, plane];
         }
     }
 
@@ -81,14 +86,14 @@ impl Coplanar {
 
     /// A triangle of the same plane.
     fn plane_of(&self, triangle: u32) -> u32 {
-        let [known, plane] = self.planes[entry(triangle)];
+        let [known, plane] = self.planes[self.entry(triangle)];
         if known == triangle { plane } else { triangle }
     }
-}
 
-/// Multiplying by an odd constant spreads neighbouring indices (Knuth, "The Art of Computer Programming", 6.4).
-fn entry(triangle: u32) -> usize {
-    (triangle.wrapping_mul(0x9e37_79b1) >> 20) as usize % CACHED
+    /// A tree's neighbours have neighbouring indices.
+    fn entry(&self, triangle: u32) -> usize {
+        triangle as usize & (self.entries - 1)
+    }
 }
 
 #[cfg(test)]
@@ -142,7 +147,7 @@ mod tests {
             let height = (primitive % 3) as f32;
             [Vec3::X, Vec3::Y, Vec3::ONE].map(|corner| corner.with_z(height + corner.x))
         };
-        let mut coplanar = Coplanar::new();
+        let mut coplanar = Coplanar::new(4 * CACHED);
         for _ in 0..2 {
             // More than the cache holds, so that entries evict one another.
             for a in 0..2 * CACHED as u32 {

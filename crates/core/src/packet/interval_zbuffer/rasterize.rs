@@ -5,7 +5,7 @@
 use super::cut_triangles::Cut;
 use super::depth_merge::{DepthMerge, StartingRays, UndecidedRays};
 use super::edge_functions::{CELL_X, CELL_Y, EdgeFunctions, ForEachThatMayHit, HALF};
-use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform, stored_primitive};
+use super::{IntervalZBuffer, UNDECIDED, cell_of, for_each_bit, is_uniform};
 use crate::hit::MISS;
 use crate::num::simd::{F32x8, LANES, Lanes, Mask8, Simd, dispatch};
 use crate::packet::componentwise_setup::ComponentwiseSetup;
@@ -442,20 +442,11 @@ impl IntervalZBuffer {
         of_eight: impl Fn(&PlaneOrder) -> [u32; 2],
         decisions: &mut Decisions<'_>,
     ) {
-        let Some((_, _, primitives)) = self.rays(first) else {
+        let Some((_, _, &mut row)) = self.rays(first) else {
             return;
         };
-        let before = *primitives;
-        let are_same = before[0] != UNDECIDED && is_uniform(&before, before[0]);
-        let (mut sure_hits, mut was_undecided) = ([MISS; ROW], 0);
-        if are_same {
-            sure_hits = [stored_primitive(before[0]).unwrap_or(MISS); ROW];
-        } else {
-            for (lane, &stored) in before.iter().enumerate() {
-                sure_hits[lane] = self.sure_hit(first + lane, stored).unwrap_or(MISS);
-                was_undecided |= u32::from(stored == UNDECIDED) << lane;
-            }
-        }
+        let (sure_hits, was_undecided) = self.sure_hits_of_row(first, &row);
+        let are_same = is_uniform(&sure_hits, sure_hits[0]);
         let mut rest = undecided.rays;
         // Neighbouring rays mostly have the same triangle.
         while rest != 0 {
@@ -493,6 +484,20 @@ impl IntervalZBuffer {
                 self.rivals.push_sure_hit(first + lane, primitive);
             });
         }
+    }
+
+    /// The sure hits, or [`MISS`], of eight rays from `first` on with these entries, and those of them, as bits, that are
+    /// undecided.
+    fn sure_hits_of_row(&self, first: usize, row: &[u32; ROW]) -> ([u32; ROW], u32) {
+        let (mut sure_hits, mut undecided) = ([MISS; ROW], 0);
+        for (lane, &stored) in row.iter().enumerate() {
+            sure_hits[lane] = Self::primitive(stored);
+            undecided |= u32::from(stored == UNDECIDED) << lane;
+        }
+        for_each_bit(undecided.into(), |lane| {
+            sure_hits[lane] = self.rivals.sure_hit(first + lane).unwrap_or(MISS);
+        });
+        (sure_hits, undecided)
     }
 
     /// Marks undecided every ray within bounds that an ill-conditioned triangle may hit. The triangle's functions begin at the

@@ -1,6 +1,7 @@
 //! Triangles that the rays of a cell surely hit. Where layers lie closer together than single precision distinguishes, most
 //! triangles are behind these for all rays of the cell, by the planes of the two, and need not be merged; and those that
-//! are in front of all of them are merged without an order ray by ray.
+//! are in front of all of them are merged without an order ray by ray. Of triangles of one plane the one with the lowest
+//! primitive id is hit first: there the greatest id of a cell's sure hits stands for all of them.
 
 use super::{CELLS, IntervalZBuffer, ROW, SIDE, UNDECIDED, is_uniform};
 use crate::hit::MISS;
@@ -35,6 +36,9 @@ struct SureHitsOfCell {
     count: usize,
     /// Whether each ray's closest hit so far is in the list.
     is_decided: bool,
+    /// Where each ray has a sure hit in the reference plane, the greatest primitive id of these, else [`MISS`]: however
+    /// many they are, a triangle of the plane that comes after it is behind them.
+    last_in_plane: u32,
 }
 
 impl SureHitsOfCell {
@@ -43,6 +47,7 @@ impl SureHitsOfCell {
         list: [MISS; MOST],
         count: 0,
         is_decided: false,
+        last_in_plane: MISS,
     };
 
     /// Whether there is a list, and something holds for all in it. The one for which it did not hold comes first from then
@@ -114,21 +119,35 @@ impl IntervalZBuffer {
         self.sure_hits.covered |= 1 << cell;
     }
 
-    /// Whether all rays of some cells, as bits, surely hit triangles of this one's plane that come before it.
+    /// Whether all rays of some cells, as bits, surely hit triangles of the reference plane that come before this one,
+    /// which lies in it.
     #[inline(never)]
-    pub(in crate::packet) fn covers_precede(
+    pub(in crate::packet) fn sure_hits_precede(
         &self,
         cells: u32,
         primitive: u32,
         decisions: &Decisions<'_>,
     ) -> bool {
-        let is_first = |cell: usize| {
-            let cover = self.sure_hits.cells[cell].cover;
-            decisions.is_first_in_plane(cover, primitive)
+        let SureHits {
+            cells: of_cells,
+            covered,
+            listed,
+            ..
+        } = &self.sure_hits;
+        let Some(id) = decisions.id_in_plane(primitive) else {
+            return false;
+        };
+        let has = |cells: u32, cell: usize| cells >> cell & 1 != 0;
+        let precede = |cell: usize| {
+            let known = &of_cells[cell];
+            has(*listed, cell) && known.last_in_plane < id
+                || has(*covered, cell)
+                    && decisions
+                        .id_in_plane(known.cover)
+                        .is_some_and(|cover| cover < id)
         };
         let all = 0..CELLS * CELLS;
-        cells & !self.sure_hits.covered == 0
-            && all.filter(|cell| cells >> cell & 1 != 0).all(is_first)
+        cells & !(covered | listed) == 0 && all.filter(|&cell| has(cells, cell)).all(precede)
     }
 
     /// Whether each ray of a cell has a sure hit that is surely nearer than this triangle, by the planes of the two. For
@@ -142,15 +161,28 @@ impl IntervalZBuffer {
     ) -> bool {
         let cell = cell % (CELLS * CELLS);
         let has = |cells: u32| cells >> cell & 1 != 0;
-        let mut is_nearer =
-            |other| decisions.order([other, primitive]).within(places) == Some(Less);
-        if has(self.sure_hits.covered) && is_nearer(self.sure_hits.cell(cell).cover) {
+        let id = decisions.id_in_plane(primitive);
+        if let Some(id) = id
+            && has(self.sure_hits.listed)
+        {
+            let last = self.sure_hits.cell(cell).last_in_plane;
+            if last < id {
+                return true;
+            }
+            if last != MISS && !has(self.sure_hits.outdated | self.dirty) {
+                return false;
+            }
+        }
+        let is_nearer = |decisions: &mut Decisions<'_>, other| {
+            decisions.order([other, primitive]).within(places) == Some(Less)
+        };
+        if has(self.sure_hits.covered) && is_nearer(decisions, self.sure_hits.cell(cell).cover) {
             return true;
         }
         if has(self.sure_hits.listed) {
             let known = self.sure_hits.cell(cell);
             let is_cover_alone = known.count == 1 && known.list[0] == known.cover;
-            if !is_cover_alone && known.are_all(&mut is_nearer) {
+            if !is_cover_alone && known.are_all(|other| is_nearer(decisions, other)) {
                 return true;
             }
             if !has(self.sure_hits.outdated | self.dirty) {
@@ -161,13 +193,16 @@ impl IntervalZBuffer {
         self.sure_hits.listed |= 1 << cell;
         self.sure_hits.outdated &= !(1 << cell);
         let cover = self.sure_hits.cell(cell).cover;
-        let listed = self.list_sure_hits(cell);
-        if listed.count == 0 {
+        let listed = self.list_sure_hits(cell, decisions);
+        if listed.count == 0 && listed.last_in_plane == MISS {
             // Looking for them again soon would find none.
             self.contested[cell] = 0;
         }
         *self.sure_hits.cell(cell) = SureHitsOfCell { cover, ..listed };
-        self.sure_hits.cell(cell).are_all(&mut is_nearer)
+        match id {
+            Some(id) if listed.last_in_plane != MISS => listed.last_in_plane < id,
+            _ => (self.sure_hits.cell(cell)).are_all(|other| is_nearer(decisions, other)),
+        }
     }
 
     /// Whether a triangle is surely nearer than the closest hits so far of all rays of a cell, by the planes of each two. For
@@ -184,11 +219,12 @@ impl IntervalZBuffer {
         known.is_decided && known.are_all(is_before)
     }
 
-    fn list_sure_hits(&self, cell: usize) -> SureHitsOfCell {
+    fn list_sure_hits(&self, cell: usize, decisions: &Decisions<'_>) -> SureHitsOfCell {
         let mut found = SureHitsOfCell {
             is_decided: true,
             ..SureHitsOfCell::NONE
         };
+        let (mut last_in_plane, mut are_too_many) = (Some(0), false);
         let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
         let mut last = MISS;
         for row in 0..ROW {
@@ -211,18 +247,27 @@ impl IntervalZBuffer {
                     continue;
                 }
                 last = sure_hit;
+                if let Some(greatest) = last_in_plane {
+                    last_in_plane = decisions.id_in_plane(sure_hit).map(|id| greatest.max(id));
+                }
                 // All of the list at once: what is not in use is no triangle.
                 let is_listed = |any, &listed| any | (listed == sure_hit);
                 if found.list.iter().fold(false, is_listed) {
                     continue;
                 }
-                if found.count == MOST {
+                are_too_many |= found.count == MOST;
+                if !are_too_many {
+                    found.list[found.count] = sure_hit;
+                    found.count += 1;
+                } else if last_in_plane.is_none() {
                     return SureHitsOfCell::NONE;
                 }
-                found.list[found.count] = sure_hit;
-                found.count += 1;
             }
         }
+        if are_too_many {
+            found = SureHitsOfCell::NONE;
+        }
+        found.last_in_plane = last_in_plane.unwrap_or(MISS);
         found
     }
 }

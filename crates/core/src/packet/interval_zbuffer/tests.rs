@@ -10,6 +10,8 @@ use crate::num::simd::{Plain, Simd};
 use crate::packet::around_tests::accel;
 use crate::packet::cast_tests::{build, grid, waves};
 use crate::packet::decisions::Decisions;
+use crate::packet::depth_reference::{DepthReference, ReferencePlane};
+use crate::packet::plane_keys::SideOfPlane;
 use crate::packet::plane_order::PlacesWithin;
 use crate::packet::ray_rect::RayRect;
 use crate::packet::setup_tests::{camera, space};
@@ -206,41 +208,111 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     assert_eq!(rivals(&zbuffer), expected);
 }
 
-/// A triangle is skipped where each cell that it touches is covered by a triangle of its plane with a lower id: not by one
-/// with a higher id, nor by one of another plane, nor where a cell has no cover.
-#[test]
-fn covers_precede_later_triangles_of_their_plane_alone() {
-    let flat_grid = grid(2, |x, y| DVec3::new(x, y, 0.0));
+/// A flat grid, the last of whose triangles are of another plane, and decisions about it along the rays of a packet whose depth
+/// keys are relative to the grid's plane; `check` gets the triangles in the order of their ids.
+fn in_a_grid_s_plane(check: impl Fn(&mut Decisions<'_>, &[u32])) {
+    let flat_grid = grid(4, |x, y| DVec3::new(x, y, 0.0));
     let raised_grid = grid(1, |x, y| DVec3::new(x, y, 0.5));
     let (accel, clip) = (build([flat_grid, raised_grid]), Clip::NONE);
     let mut decisions = decisions_of(&accel, &clip, Precision::Exact);
     let mut random = Random(92);
     let seen_from = camera(&mut random, DVec3::ZERO, Projection::Perspective, 0.1);
     let packet = RayRect::all(&seen_from.whole().lattice());
-    decisions.set_rays(&space(&seen_from, DVec3::ZERO, Cull::None), &packet);
     let mut by_id: Vec<u32> = (0..accel.len() as u32).collect();
     by_id.sort_unstable_by_key(|&primitive| accel.id(primitive));
-    // The last two are raised.
-    let [low, middle, high] = [by_id[0], by_id[3], by_id[5]];
-    let other = by_id[by_id.len() - 2];
-    let mut zbuffer = IntervalZBuffer::new();
-    zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
-    let cells = 0b11 << 5;
-    assert!(!zbuffer.covers_precede(cells, middle, &decisions));
-    zbuffer.sure_hits.set(low, 5);
-    zbuffer.sure_hits.set(low, 6);
-    // Nothing is known of their planes yet.
-    assert!(!zbuffer.covers_precede(cells, middle, &decisions));
-    for pair in [[middle, low], [middle, high], [middle, other]] {
-        decisions.order(pair);
-    }
-    assert!(zbuffer.covers_precede(cells, middle, &decisions));
-    assert!(!zbuffer.covers_precede(cells | 1 << 7, middle, &decisions));
-    for is_no_cover in [high, other] {
-        zbuffer.sure_hits.set(is_no_cover, 6);
-        assert!(!zbuffer.covers_precede(cells, middle, &decisions));
-        assert!(zbuffer.covers_precede(1 << 5, middle, &decisions));
-    }
+    let space = space(&seen_from, DVec3::ZERO, Cull::None);
+    let plane = ReferencePlane {
+        primitive: by_id[9],
+        key: (space.depth_key_in_double(accel.corners(by_id[9]))).expect("a key in range"),
+    };
+    let reference = DepthReference::NONE.with_plane(plane, space.last);
+    let space = space.relative_to(reference.expect("a key in range"));
+    decisions.set_rays(&space, &packet);
+    check(&mut decisions, &by_id);
+}
+
+/// A triangle is skipped where each cell that it touches is covered by a triangle of its plane with a lower id: not by one
+/// with a higher id, nor by one of another plane, nor where a cell has no cover.
+#[test]
+fn covers_precede_later_triangles_of_their_plane_alone() {
+    in_a_grid_s_plane(|decisions, by_id| {
+        // The last two are raised.
+        let [low, middle, high] = [by_id[0], by_id[3], by_id[5]];
+        let other = by_id[by_id.len() - 2];
+        let mut zbuffer = IntervalZBuffer::new();
+        zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
+        let cells = 0b11 << 5;
+        assert!(!zbuffer.sure_hits_precede(cells, middle, decisions));
+        zbuffer.sure_hits.set(low, 5);
+        zbuffer.sure_hits.set(low, 6);
+        // Nothing is known of their planes yet.
+        assert!(!zbuffer.sure_hits_precede(cells, middle, decisions));
+        let sides = [low, middle, high, other].map(|of| decisions.side_of_reference(of));
+        assert_eq!(sides[..3], [SideOfPlane::Within; 3]);
+        assert_ne!(sides[3], SideOfPlane::Within);
+        assert!(zbuffer.sure_hits_precede(cells, middle, decisions));
+        assert!(!zbuffer.sure_hits_precede(cells | 1 << 7, middle, decisions));
+        for is_no_cover in [high, other] {
+            zbuffer.sure_hits.set(is_no_cover, 6);
+            assert!(!zbuffer.sure_hits_precede(cells, middle, decisions));
+            assert!(zbuffer.sure_hits_precede(1 << 5, middle, decisions));
+        }
+    });
+}
+
+/// A triangle is behind a cell's sure hits where each of these, however many they are, lies in its plane and has a lower id:
+/// not where one has a higher id, where one lies in another plane, or where a ray has none.
+#[test]
+fn any_number_of_sure_hits_precede_later_triangles_of_their_plane() {
+    in_a_grid_s_plane(|decisions, by_id| {
+        for &primitive in by_id {
+            decisions.side_of_reference(primitive);
+        }
+        let cell = (5, &PlacesWithin::of_cell(5));
+        let raised = by_id[by_id.len() - 1];
+        let [before, after] = [by_id[12], by_id[24]];
+        for (odd, are_before) in [
+            (by_id[3], true),
+            (by_id[30], false),
+            (raised, false),
+            (MISS, false),
+        ] {
+            for different in [2, 20] {
+                let mut zbuffer = IntervalZBuffer::new();
+                zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
+                for row in 0..ROW {
+                    for column in 0..ROW {
+                        let ray = (ROW + row) * SIDE + ROW + column;
+                        zbuffer.primitives[ray] = match [row, column] {
+                            [5, 3] => odd,
+                            _ => by_id[(row * ROW + column) % different],
+                        };
+                    }
+                }
+                // Twice: the second time the sure hits are listed.
+                for _ in 0..2 {
+                    if odd == raised {
+                        // It may be in front of all others.
+                        zbuffer.is_behind_sure_hits(after, cell, decisions);
+                        continue;
+                    }
+                    assert_eq!(
+                        zbuffer.is_behind_sure_hits(after, cell, decisions),
+                        are_before
+                    );
+                    assert_eq!(
+                        zbuffer.is_behind_sure_hits(before, cell, decisions),
+                        are_before && different == 2
+                    );
+                }
+                let precede = |primitive| zbuffer.sure_hits_precede(1 << 5, primitive, decisions);
+                assert_eq!(
+                    [precede(after), precede(before)],
+                    [are_before, are_before && different == 2]
+                );
+            }
+        }
+    });
 }
 
 /// The bounds of depths contain those of a triangle that is nearest by an order of planes, whatever its own bounds are.

@@ -206,7 +206,7 @@ impl<const INSTANCES: bool> Traversal<'_, INSTANCES> {
         if self.reference.is_plane() {
             let is_occluded = match self.decisions.side_of_reference(primitive) {
                 SideOfPlane::Behind(nearest) => zbuffer.occludes_cells(lanes, cells, nearest),
-                SideOfPlane::Within => zbuffer.covers_precede(cells, primitive, &self.decisions),
+                SideOfPlane::Within => zbuffer.sure_hits_precede(cells, primitive, &self.decisions),
                 SideOfPlane::Neither => false,
             };
             if is_occluded {
