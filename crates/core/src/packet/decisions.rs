@@ -207,13 +207,13 @@ impl<'a> Decisions<'a> {
         if self.precision == Precision::Fast {
             return &PlaneOrder::UNKNOWN;
         }
-        let (accel, coplanar) = (self.accel, &mut self.coplanar);
-        let [first, second] = pair;
-        let is_first = accel.id(first) < accel.id(second);
-        if coplanar.are_known(first, second) {
-            return PlaneOrder::in_one_plane(is_first);
-        }
         if !self.plane_orders.knows(pair) {
+            let (accel, coplanar) = (self.accel, &mut self.coplanar);
+            let [first, second] = pair;
+            let is_first = accel.id(first) < accel.id(second);
+            if coplanar.are_known(first, second) {
+                return PlaneOrder::in_one_plane(is_first);
+            }
             let mut placed = [[Vec3::ZERO; 3]; 2];
             let [of_first, of_second] = &mut placed;
             let corners = [

@@ -3,7 +3,7 @@
 //! are in front of all of them are merged without an order ray by ray. Of triangles of one plane the one with the lowest
 //! primitive id is hit first: there the greatest id of a cell's sure hits stands for all of them.
 
-use super::{CELLS, IntervalZBuffer, ROW, SIDE, UNDECIDED, is_uniform};
+use super::{CELLS, IntervalZBuffer, ROW, UNDECIDED, is_uniform};
 use crate::hit::MISS;
 use crate::packet::decisions::Decisions;
 use crate::packet::plane_order::PlacesWithin;
@@ -225,28 +225,33 @@ impl IntervalZBuffer {
             ..SureHitsOfCell::NONE
         };
         let (mut last_in_plane, mut are_too_many) = (Some(0), false);
-        let first = cell / CELLS * ROW * SIDE + cell % CELLS * ROW;
+        let (rows, _) = self.primitives.as_chunks::<ROW>();
         let mut last = MISS;
         for row in 0..ROW {
-            let first = first + row * SIDE;
+            let row = (cell / CELLS * ROW + row) * CELLS + cell % CELLS;
+            let entries = &rows[row];
             // Layers mostly fill rows with one triangle.
-            if last != MISS && is_uniform(&self.primitives[first..first + ROW], last) {
+            if last < UNDECIDED && is_uniform(entries, last) {
                 continue;
             }
-            for ray in (first..).take(ROW) {
+            // Entries that are not those of their neighbours, and those that say too little.
+            let mut rest = 0;
+            for (lane, &entry) in entries.iter().enumerate() {
+                rest |= u32::from(entry != last || entry >= UNDECIDED) << lane;
+                last = entry;
+            }
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize % ROW;
+                rest &= rest - 1;
+                let (ray, entry) = (row * ROW + lane, entries[lane]);
                 // Entries without a ray are infinitely near.
-                if self.low[ray] == f32::INFINITY {
+                if entry == MISS && self.low[ray] == f32::INFINITY {
                     continue;
                 }
-                let stored = self.primitives[ray];
-                let Some(sure_hit) = self.sure_hit(ray, stored) else {
+                let Some(sure_hit) = self.sure_hit(ray, entry) else {
                     return SureHitsOfCell::NONE;
                 };
-                found.is_decided &= stored != UNDECIDED;
-                if sure_hit == last {
-                    continue;
-                }
-                last = sure_hit;
+                found.is_decided &= entry != UNDECIDED;
                 if let Some(greatest) = last_in_plane {
                     last_in_plane = decisions.id_in_plane(sure_hit).map(|id| greatest.max(id));
                 }
