@@ -208,9 +208,9 @@ fn what_is_behind_a_sure_hit_is_no_rival() {
     assert_eq!(rivals(&zbuffer), expected);
 }
 
-/// A flat grid, the last of whose triangles are of another plane, and decisions about it along the rays of a packet whose depth
-/// keys are relative to the grid's plane; `check` gets the triangles in the order of their ids.
-fn in_a_grid_s_plane(check: impl Fn(&mut Decisions<'_>, &[u32])) {
+/// Hands over decisions about a flat grid and two triangles above it, along the rays of a packet whose depth keys are
+/// relative to the grid's plane, and the triangles in the order of their ids, those above last.
+fn with_grid_as_reference(check: impl Fn(&mut Decisions<'_>, &[u32])) {
     let flat_grid = grid(4, |x, y| DVec3::new(x, y, 0.0));
     let raised_grid = grid(1, |x, y| DVec3::new(x, y, 0.5));
     let (accel, clip) = (build([flat_grid, raised_grid]), Clip::NONE);
@@ -235,7 +235,7 @@ fn in_a_grid_s_plane(check: impl Fn(&mut Decisions<'_>, &[u32])) {
 /// with a higher id, nor by one of another plane, nor where a cell has no cover.
 #[test]
 fn covers_precede_later_triangles_of_their_plane_alone() {
-    in_a_grid_s_plane(|decisions, by_id| {
+    with_grid_as_reference(|decisions, by_id| {
         // The last two are raised.
         let [low, middle, high] = [by_id[0], by_id[3], by_id[5]];
         let other = by_id[by_id.len() - 2];
@@ -264,7 +264,7 @@ fn covers_precede_later_triangles_of_their_plane_alone() {
 /// not where one has a higher id, where one lies in another plane, or where a ray has none.
 #[test]
 fn any_number_of_sure_hits_precede_later_triangles_of_their_plane() {
-    in_a_grid_s_plane(|decisions, by_id| {
+    with_grid_as_reference(|decisions, by_id| {
         for &primitive in by_id {
             decisions.side_of_reference(primitive);
         }
