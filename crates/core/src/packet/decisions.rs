@@ -142,8 +142,8 @@ impl<'a> Decisions<'a> {
         side
     }
 
-    /// The primitive id of a triangle that is known to lie in the plane that depth keys are relative to. Of two such
-    /// triangles that a ray hits, the one with the lower id is hit first.
+    /// The primitive id of a triangle that is known to lie in the plane that depth keys are, or were last, relative to. Of
+    /// two such triangles that a ray hits, the one with the lower id is hit first.
     pub(super) fn id_in_plane(&self, primitive: u32) -> Option<u32> {
         let keys = self.plane_keys.as_ref()?;
         let is_known = self.coplanar.are_known(keys.primitive(), primitive);

@@ -9,8 +9,8 @@ use crate::hit::MISS;
 use glam::Vec3;
 
 /// The most triangles in the cache, 128 kB, allocated where triangles may share a plane. Triangles whose indices have the
-/// same low bits evict one another, and are compared again: with a quarter, casting 12,000 triangles of one plane took
-/// twice as long. With more it would fill a core's second-level cache.
+/// same low bits evict one another, and are compared again: with a quarter, casting 12,000 triangles of one plane
+/// took nearly twice as long. With more it would fill a core's second-level cache.
 const CACHED: usize = 1 << 14;
 
 /// Whether two triangles lie in exactly one plane. Neither must be degenerate.
