@@ -277,14 +277,15 @@ fn any_number_of_sure_hits_precede_later_triangles_of_their_plane() {
             (raised, false),
             (MISS, false),
         ] {
-            for different in [2, 20] {
+            // Of packets as wide as they may be, and of those whose last column is within the cell.
+            for (different, columns) in [(2, 32), (20, 32), (2, 12), (20, 12)] {
                 let mut zbuffer = IntervalZBuffer::new();
-                zbuffer.clear(Plain, 32, 32, [f32::INFINITY; 2]);
+                zbuffer.clear(Plain, columns, 32, [f32::INFINITY; 2]);
                 for row in 0..ROW {
-                    for column in 0..ROW {
+                    for column in 0..ROW.min(columns as usize - ROW) {
                         let ray = (ROW + row) * SIDE + ROW + column;
                         zbuffer.primitives[ray] = match [row, column] {
-                            [5, 3] => odd,
+                            [5, 0] => odd,
                             _ => by_id[(row * ROW + column) % different],
                         };
                     }
