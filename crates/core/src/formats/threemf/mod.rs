@@ -4,6 +4,7 @@ mod attributes;
 mod model;
 mod model_reader;
 mod package;
+mod properties;
 
 use super::length_unit::LengthUnit;
 use crate::formats::Progress;
@@ -197,8 +198,9 @@ fn product(outer: DAffine3, inner: DAffine3) -> DAffine3 {
 fn bytes_of(text: &[u8]) -> u64 {
     let count = |word: &str| memchr::memmem::find_iter(text, word).count() as u64;
     // A vertex of 20 characters becomes 24 bytes, a triangle of 30 as many, in lists that double while the old one
-    // exists. Objects, their instances and colours take more than their text.
-    3 * text.len() as u64 + 1024 * count("object") + 512 * count("color")
+    // exists. Objects, their instances and colours take more than their text, as do triangles with colours of their
+    // corners, each of which may become a vertex.
+    3 * text.len() as u64 + 1024 * count("object") + 512 * count("color") + 320 * count("p2")
 }
 
 /// Names objects without a name after the file.
@@ -220,7 +222,7 @@ fn report(path: &Path, models: &Models, root: usize, placed: &mut PlacedMeshes) 
     let mixed: usize = models.models.iter().map(|model| model.mixed).sum();
     if mixed > 0 {
         placed.warnings.push(format!(
-            "{}: triangles whose corners have different colours, of which the first is shown: {mixed}",
+            "{}: triangles whose corners have different materials, of which the first is shown: {mixed}",
             quote::path(path)
         ));
     }

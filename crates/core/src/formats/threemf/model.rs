@@ -15,7 +15,7 @@ pub(super) struct Model {
     pub(super) items: Vec<Instance>,
     /// Contents that are not shown, and how often each occurs.
     pub(super) unused: Vec<(&'static str, usize)>,
-    /// Triangles whose corners have different colours.
+    /// Triangles whose corners have different base materials.
     pub(super) mixed: usize,
 }
 

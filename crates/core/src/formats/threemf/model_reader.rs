@@ -3,15 +3,13 @@
 use super::attributes::Attributes;
 use super::model::{Instance, Model, ModelObject, Shape};
 use super::package::{Package, Part, line_at};
+use super::properties::{Group, Groups, Missing, NONE, Property};
 use crate::formats::error::{FormatError, quote, shorten};
 use crate::scene::{Color, Material, MeshData};
 use glam::{DAffine3, DVec3};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use std::collections::{HashMap, HashSet};
-
-/// No number.
-const NONE: u32 = u32::MAX;
+use std::collections::HashMap;
 
 /// The parent of an element, which decides the meaning of the element's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,12 +43,12 @@ const KNOWN: [&str; 5] = [
 struct Open {
     id: u32,
     name: Option<String>,
-    /// The properties of triangles without properties of their own.
-    property: (u32, u32),
+    /// The property of triangles without properties of their own.
+    property: Property,
     mesh: Option<MeshData>,
     components: Vec<Instance>,
-    /// A group and an index for each triangle; empty where no triangle has any.
-    properties: Vec<(u32, u32)>,
+    /// One for each triangle; empty where no triangle has any.
+    properties: Vec<Property>,
     line: usize,
 }
 
@@ -58,7 +56,7 @@ struct Open {
 struct Pending {
     object: u32,
     /// As in [`Open`].
-    properties: Vec<(u32, u32)>,
+    properties: Vec<Property>,
     line: usize,
 }
 
@@ -66,10 +64,8 @@ struct ModelReader<'r, 'b> {
     attributes: Attributes<'r, 'b>,
     model: Model,
     open: Open,
-    groups: HashMap<u32, Vec<Material>>,
+    groups: Groups,
     group: u32,
-    /// Groups of types that are not shown.
-    other_groups: HashSet<u32>,
     /// Objects whose properties are resolved at the end.
     pending: Vec<Pending>,
     unused: HashMap<&'static str, usize>,
@@ -91,9 +87,8 @@ pub(super) fn read(
         },
         model: Model::default(),
         open: Open::default(),
-        groups: HashMap::new(),
+        groups: Groups::default(),
         group: 0,
-        other_groups: HashSet::new(),
         pending: Vec::new(),
         unused: HashMap::new(),
         triangles: 0,
@@ -174,8 +169,13 @@ impl ModelReader<'_, '_> {
             }
             (Parent::Resources, b"basematerials" | b"colorgroup") => {
                 self.group = self.attributes.need(tag, b"id")?;
-                self.groups.insert(self.group, Vec::new());
-                if name.as_ref() == b"colorgroup" {
+                let is_interpolated = name.as_ref() == b"colorgroup";
+                let group = Group {
+                    members: Vec::new(),
+                    is_interpolated,
+                };
+                self.groups.shown.insert(self.group, group);
+                if is_interpolated {
                     Parent::ColorGroup
                 } else {
                     Parent::BaseMaterials
@@ -191,7 +191,8 @@ impl ModelReader<'_, '_> {
                 Parent::Other
             }
             (Parent::Resources, b"texture2dgroup" | b"compositematerials" | b"multiproperties") => {
-                self.other_groups.insert(self.attributes.need(tag, b"id")?);
+                let id = self.attributes.need(tag, b"id")?;
+                self.groups.others.insert(id);
                 *self
                     .unused
                     .entry("groups of textures or mixtures")
@@ -212,10 +213,10 @@ impl ModelReader<'_, '_> {
                         .attributes
                         .text(tag, b"name")?
                         .filter(|name| !name.is_empty()),
-                    property: (
-                        self.attributes.number(tag, b"pid")?.unwrap_or(NONE),
-                        self.attributes.number(tag, b"pindex")?.unwrap_or(0),
-                    ),
+                    property: Property {
+                        group: self.attributes.number(tag, b"pid")?.unwrap_or(NONE),
+                        members: [self.attributes.number(tag, b"pindex")?.unwrap_or(0); 3],
+                    },
                     line: self.attributes.line,
                     ..Open::default()
                 };
@@ -357,14 +358,13 @@ impl ModelReader<'_, '_> {
                 "it has more triangles than the {most} that are left"
             )));
         }
-        let [first, others @ ..] = indices;
-        if others.iter().flatten().any(|&other| Some(other) != first) {
-            self.model.mixed += 1;
-        }
         let own = self.open.property;
-        let property = match (group, first) {
-            (group, Some(index)) => (group.unwrap_or(own.0), index),
-            (_, None) => own,
+        let property = match indices {
+            [Some(first), second, third] => Property {
+                group: group.unwrap_or(own.group),
+                members: [first, second.unwrap_or(first), third.unwrap_or(first)],
+            },
+            _ => own,
         };
         let Some(mesh) = &mut self.open.mesh else {
             return Ok(());
@@ -379,8 +379,8 @@ impl ModelReader<'_, '_> {
         }
         let before = mesh.triangles.len();
         mesh.triangles.push([a, b, c]);
-        if property.0 != NONE || !self.open.properties.is_empty() {
-            self.open.properties.resize(before, (NONE, 0));
+        if property.group != NONE || !self.open.properties.is_empty() {
+            self.open.properties.resize(before, Property::default());
             self.open.properties.push(property);
         }
         Ok(())
@@ -412,9 +412,9 @@ impl ModelReader<'_, '_> {
         if !alpha.eq_ignore_ascii_case("FF") {
             *self.unused.entry("opacity of colours").or_default() += 1;
         }
-        let group = self.groups.entry(self.group).or_default();
-        let name = name.unwrap_or_else(|| format!("color {}", group.len()));
-        group.push(Material::new(name, color));
+        let Group { members, .. } = self.groups.shown.entry(self.group).or_default();
+        let name = name.unwrap_or_else(|| format!("color {}", members.len()));
+        members.push(Material::new(name, color));
         Ok(())
     }
 
@@ -439,44 +439,19 @@ impl ModelReader<'_, '_> {
                 properties,
                 line,
             } = pending;
+            let Some(object) = self.model.objects.get_mut(&id) else {
+                continue;
+            };
+            let Shape::Mesh(mesh) = &mut object.shape else {
+                continue;
+            };
             self.attributes.line = line;
-            let mut materials = Vec::new();
-            let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();
-            let mut of_triangle = Vec::with_capacity(properties.len());
-            for (group, index) in properties {
-                if group == NONE || self.other_groups.contains(&group) {
-                    of_triangle.push(NONE);
-                    continue;
+            match self.groups.give(properties, mesh) {
+                Ok(mixed) => self.model.mixed += mixed,
+                Err(Missing { expected, found }) => {
+                    let expected = format!("object {id} to name {expected}");
+                    return Err(self.attributes.unexpected(&expected, &found));
                 }
-                if let Some(&number) = numbers.get(&(group, index)) {
-                    of_triangle.push(number);
-                    continue;
-                }
-                let Some(colors) = self.groups.get(&group) else {
-                    let expected = format!("object {id} to name groups of colours or materials");
-                    return Err(self.attributes.unexpected(&expected, &format!("{group}")));
-                };
-                let Some(material) = colors.get(index as usize) else {
-                    let count = colors.len();
-                    let expected =
-                        format!("object {id} to name one of group {group}'s {count} colours");
-                    return Err(self
-                        .attributes
-                        .unexpected(&expected, &format!("number {index}")));
-                };
-                let number = materials.len() as u32;
-                materials.push(material.clone());
-                numbers.insert((group, index), number);
-                of_triangle.push(number);
-            }
-            if let Some(ModelObject {
-                shape: Shape::Mesh(mesh),
-                ..
-            }) = self.model.objects.get_mut(&id)
-            {
-                of_triangle.resize(mesh.triangles.len(), NONE);
-                mesh.materials = materials;
-                mesh.material_of_triangle = of_triangle;
             }
         }
         self.model.unused = self.unused.into_iter().collect();

@@ -1,7 +1,7 @@
 use crate::formats::LengthUnit;
 use crate::formats::limits::{Budget, Limits};
 use crate::formats::placed_meshes::PlacedMeshes;
-use crate::scene::Color;
+use crate::scene::{Color, MeshData};
 use glam::DVec3;
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -137,8 +137,63 @@ fn triangles_have_the_colours_of_groups_and_base_materials() {
     let (found, placed) = color("", "pid=\"5\" p1=\"0\" p2=\"1\" p3=\"0\"");
     assert_eq!(found, red);
     let message =
-        "a.3mf: triangles whose corners have different colours, of which the first is shown: 1";
+        "a.3mf: triangles whose corners have different materials, of which the first is shown: 1";
     assert_eq!(placed.warnings, [message]);
+}
+
+#[test]
+fn colours_of_corners_are_those_of_vertices() {
+    let colors = "<m:colorgroup id=\"6\"><m:color color=\"#ff0000\"/><m:color color=\"#00ff00\"/>\
+        <m:color color=\"#0000ff\"/></m:colorgroup>";
+    let triangles = |more: &str| {
+        format!(
+            "<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>\
+             <vertex x=\"0\" y=\"1\" z=\"0\"/><vertex x=\"0\" y=\"0\" z=\"1\"/></vertices><triangles>\
+             <triangle v1=\"0\" v2=\"1\" v3=\"2\" pid=\"6\" p1=\"0\" p2=\"1\" p3=\"2\"/>\
+             <triangle v1=\"0\" v2=\"2\" v3=\"3\" pid=\"6\" p1=\"1\" p2=\"2\"/>{more}</triangles></mesh></object>{colors}"
+        )
+    };
+    let mesh = |more: &str| {
+        let text = model(&triangles(more), "<item objectid=\"1\"/>");
+        let placed = read(&text).expect("a good file");
+        assert!(placed.warnings.is_empty(), "{:?}", placed.warnings);
+        placed.meshes.into_iter().next().expect("a mesh")
+    };
+    let shown = |mesh: &MeshData, triangle: usize| {
+        let corners = mesh.triangles[triangle];
+        let corner = |vertex: u32| {
+            let color = mesh.colors.get(vertex as usize).copied().flatten();
+            (mesh.positions[vertex as usize].to_array(), color)
+        };
+        (
+            corners.map(corner),
+            mesh.material_of_triangle[triangle] == u32::MAX,
+        )
+    };
+    let [red, green, blue] = [[255, 0, 0], [0, 255, 0], [0, 0, 255]].map(|c| Some(Color(c)));
+    let [o, x, y, z] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let first = ([(o, red), (x, green), (y, blue)], true);
+    let second = ([(o, green), (y, blue), (z, green)], true);
+    let plain = mesh("");
+    assert_eq!((shown(&plain, 0), shown(&plain, 1)), (first, second));
+    assert_eq!(
+        plain.positions.len(),
+        5,
+        "the corner with two colours is doubled"
+    );
+    // Neither a triangle of one colour nor one without any takes those of its vertices.
+    let one_color = mesh("<triangle v1=\"1\" v2=\"2\" v3=\"3\" pid=\"6\" p1=\"0\"/>");
+    assert_eq!(
+        (shown(&one_color, 0), shown(&one_color, 1)),
+        (first, second)
+    );
+    assert_eq!(
+        one_color.materials[one_color.material_of_triangle[2] as usize].color,
+        Color([255, 0, 0])
+    );
+    let bare = mesh("<triangle v1=\"1\" v2=\"2\" v3=\"3\"/>");
+    assert_eq!((shown(&bare, 0), shown(&bare, 1)), (first, second));
+    assert_eq!(shown(&bare, 2), ([(x, None), (y, None), (z, None)], true));
 }
 
 #[test]
