@@ -136,6 +136,11 @@ impl Reader<'_> {
     /// The numbers of the next line that has any.
     fn line(&mut self, numbers: &mut Vec<f64>, expected: &str) -> Result<(), FormatError> {
         numbers.clear();
+        self.append_line(numbers, expected)
+    }
+
+    /// The same behind the numbers of lines before.
+    fn append_line(&mut self, numbers: &mut Vec<f64>, expected: &str) -> Result<(), FormatError> {
         let mut word = self.tokens.next();
         if word.is_none() {
             return Err(self.fault(expected, &Found::End));
@@ -219,6 +224,7 @@ impl Reader<'_> {
         let (mut numbers, mut indices) = (Vec::new(), Vec::new());
         for face in 0..count {
             self.line(&mut numbers, expected)?;
+            self.complete_face(&mut numbers, expected);
             let (corners, rest) = numbers
                 .split_first()
                 .and_then(|(count, rest)| {
@@ -282,6 +288,21 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Adds the indices of a face that follow in further lines, where the last of these ends with the face: some programs
+    /// break lines anywhere. Anywhere else the line is wrong, and stays as it is.
+    fn complete_face(&mut self, numbers: &mut Vec<f64>, expected: &str) {
+        let corners = numbers.first().map_or(0, |&count| count as usize);
+        if numbers.len() > corners || corners > self.vertices {
+            return;
+        }
+        let (after_line, length) = (self.tokens.clone(), numbers.len());
+        while numbers.len() <= corners && self.append_line(numbers, expected).is_ok() {}
+        if numbers.len() != corners + 1 {
+            self.tokens = after_line;
+            numbers.truncate(length);
+        }
     }
 
     fn finish(self) -> Result<Parsed, FormatError> {

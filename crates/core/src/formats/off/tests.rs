@@ -40,6 +40,15 @@ fn counts_and_comments_stand_where_they_like() {
 }
 
 #[test]
+fn faces_may_go_on_in_further_lines() {
+    let body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    let faces = "4 0\n1 # two\n2 3\n3 0 1 2 0.5 0.5 0.5\n3\n1 2 3\n";
+    let Parsed { mesh, warnings, .. } = parse(&format!("OFF\n4 3 0\n{body}{faces}")).expect("good");
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [1, 2, 3]]);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
 fn vertices_have_normals_colours_and_texture_coordinates() {
     let vertex = |x: u8, y: u8, color: &str| format!("{x} {y} 0 0 0 2 {color} {x} {y}\n");
     let file = |colors: [&str; 3]| {
@@ -144,6 +153,11 @@ fn says_where_and_what() {
     check(
         &format!("OFF\n3 2 0\n{body}"),
         &format!(":6: expected {face}, found the file's end: it is cut short"),
+    );
+    // What is missing in one line is not taken from the next.
+    check(
+        "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n",
+        &format!(":6: expected {face}, found 3 numbers"),
     );
     for bad in ["3", "-1", "0.5"] {
         check(
