@@ -1,7 +1,7 @@
 use super::Progress;
 use super::error::FormatError;
 use super::files::{Contents, Files, Filling, NamedBy, OpenedFiles, absolute};
-use super::kind::Start;
+use super::kind::{Start, is_lfs_pointer};
 use super::limits::Budget;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -130,7 +130,13 @@ impl Files for Disk<'_> {
             Ok(read)
         })?;
         read.map_err(refused)?;
-        Ok(filling.into_contents())
+        let contents = filling.into_contents();
+        if is_lfs_pointer(&contents) {
+            let reason =
+                "it is a Git LFS pointer in place of the file, which `git lfs pull` fetches";
+            return Err(FormatError::refused(path, None, reason));
+        }
+        Ok(contents)
     }
 
     fn check(&self, path: &Path, by: NamedBy<'_>) -> Result<(), FormatError> {
@@ -261,6 +267,26 @@ mod tests {
         assert!(second.to_string().contains("limit `bytes`"), "{second}");
         drop(first);
         assert!(disk.read(&path, NamedBy::Person, &|_| ()).is_ok());
+    }
+
+    #[test]
+    fn pointers_of_git_lfs_are_named_as_such() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n";
+        for name in ["a.obj", "a.toml", "a.glb", "a"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, pointer).expect("a file");
+            let error = crate::formats::read_scene(&path, &|_| ()).expect_err("no mesh");
+            let message = error.to_string();
+            assert!(
+                message.contains(&format!("{name}: it is a Git LFS pointer")),
+                "{message}"
+            );
+        }
+        let image = folder.path().join("a.png");
+        std::fs::write(&image, pointer).expect("a file");
+        let error = crate::formats::read_texture(&image).expect_err("no image");
+        assert!(error.to_string().contains("`git lfs pull`"), "{error}");
     }
 
     /// Of several steps, the last of which is shorter.

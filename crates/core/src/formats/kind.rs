@@ -34,10 +34,17 @@ const OBJ_WORDS: [&str; 14] = [
 pub(super) fn is_scene(path: &Path, bytes: &[u8]) -> bool {
     has_extension(path, "toml")
         || first_lines(bytes).next().is_some_and(|line| {
-            ["version", "[camera]", "[image]", "[shading]", "[[object]]"]
-                .iter()
-                .any(|table| line.starts_with(table))
+            let tables = ["[camera]", "[image]", "[shading]", "[[object]]"];
+            let value = line.strip_prefix("version").map(str::trim_start);
+            value.is_some_and(|value| value.starts_with('='))
+                || tables.iter().any(|table| line.starts_with(table))
         })
+}
+
+/// Whether a file is the pointer that a clone without Git LFS has in place of a large file (Git LFS, docs/spec.md: less
+/// than 1024 bytes, the version first).
+pub(super) fn is_lfs_pointer(bytes: &[u8]) -> bool {
+    bytes.len() < 1024 && bytes.starts_with(b"version https://git-lfs.github.com/spec/")
 }
 
 /// The format of a mesh file: from the content where possible, else from the extension.
@@ -291,5 +298,13 @@ mod tests {
         check(b"PK\x03\x04", "a ZIP archive");
         check(b"\x7fELF\x02\0", "binary data");
         check(b"[camera]\neye = [0, 0, 1]\n", "a scene file");
+    }
+
+    #[test]
+    fn scenes_start_with_a_table_or_their_version() {
+        let is = |text: &str| is_scene(Path::new("-"), text.as_bytes());
+        assert!(is("# made by hand\nversion=1\n") && is("version = 1\n") && is("[[object]]\n"));
+        assert!(!is("version https://git-lfs.github.com/spec/v1\n"));
+        assert!(!is("versions = 1\n") && !is("version"));
     }
 }

@@ -82,6 +82,8 @@ pub(super) struct Primitive {
     pub(super) mode: Option<u32>,
     #[serde(default)]
     pub(super) targets: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub(super) extensions: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -103,6 +103,16 @@ impl Builder<'_, '_, '_> {
             skipped.empty += 1;
             return Ok(());
         };
+        // Such a file asks for the extension without saying so: its accessors alone would be zeros.
+        let accessor = data.root.accessors.get(positions as usize);
+        if primitive
+            .extensions
+            .contains_key("KHR_draco_mesh_compression")
+            && accessor.is_some_and(|of| of.buffer_view.is_none() && of.sparse.is_none())
+        {
+            let found = "them under Draco compression alone, which is not read";
+            return Err(data.fault(location, "positions in a buffer view", found));
+        }
         let base = match primitive.material {
             Some(material) => Some(self.materials.base(material, location)?),
             None => None,

@@ -168,3 +168,21 @@ fn an_index_beyond_the_vertices_is_named() {
         "a.gltf: meshes[0].primitives[0].indices: expected indices of its 3 vertices, found 3 as number 3"
     );
 }
+
+#[test]
+fn positions_under_draco_alone_are_named() {
+    let primitive = |accessor: &str| {
+        let rest = primitives(
+            r#"{"attributes": {"POSITION": 2}, "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0}}}"#,
+        );
+        try_read(gltf(&[], accessor, &rest).as_bytes())
+    };
+    let error = primitive(r#", {"componentType": 5126, "count": 3, "type": "VEC3"}"#);
+    assert_eq!(
+        error.expect_err("no positions"),
+        "a.gltf: meshes[0].primitives[0]: expected positions in a buffer view, found them under Draco compression alone, \
+         which is not read"
+    );
+    let also = r#", {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}"#;
+    assert!(primitive(also).is_ok());
+}
