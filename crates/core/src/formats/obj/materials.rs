@@ -129,6 +129,22 @@ pub(super) fn triangle_materials(text: &ObjText) -> Vec<u32> {
 /// The most material libraries that a mesh may name: each costs a file access.
 const LIBRARY_LIMIT: usize = 1000;
 
+/// The names in a line of several, between spaces; one that a backslash precedes is part of a name.
+fn names_in(line: &str) -> Vec<String> {
+    let mut names = vec![String::new()];
+    let mut letters = line.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let escaped = (letter == '\\').then(|| letters.next_if(|next| next.is_whitespace()));
+        if letter.is_whitespace() {
+            names.push(String::new());
+        } else if let Some(name) = names.last_mut() {
+            name.push(escaped.flatten().unwrap_or(letter));
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    names
+}
+
 /// The bytes of the libraries after `mtllib`: each line is one name, which may contain spaces, or several names.
 fn libraries<'f>(
     path: &Path,
@@ -154,18 +170,21 @@ fn libraries<'f>(
     };
     for line in lines {
         let Err(error) = add(line) else { continue };
-        let names: Vec<_> = line.split_whitespace().collect();
-        let missing: Vec<_> = if names.len() > 1 {
-            let failures = names.into_iter().map(|name| (name, add(name).err()));
+        let names = names_in(line);
+        let missing: Vec<_> = if names.iter().ne([line]) {
+            let failures = names.into_iter().map(|name| {
+                let error = add(&name).err();
+                (name, error)
+            });
             failures
                 .filter_map(|(name, error)| Some((name, error?)))
                 .collect()
         } else {
-            vec![(line.as_str(), error)]
+            vec![(line.clone(), error)]
         };
         for (name, error) in missing {
             let path = quote::path(path);
-            let (name, why) = (quote(name), error.reason());
+            let (name, why) = (quote(&name), error.reason());
             warnings.push(format!(
                 "{path}: its materials in {name} cannot be read: {why}"
             ));

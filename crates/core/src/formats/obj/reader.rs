@@ -386,6 +386,7 @@ impl<'a> Reader<'a> {
             let name = ["vertex", "texture coordinate", "normal"][kind];
             let has = self.known_totals.map_or(so_far, |totals| totals[kind]);
             let expected = match index {
+                ..0 if so_far == 0 => "vertices before it (lines of `v x y z`)".into(),
                 ..0 => format!("a {name} index down to -{so_far}"),
                 _ if self.known_totals.is_none() => format!("a {name} index from 1"),
                 _ if has == 0 => "vertices in the file (lines of `v x y z`)".into(),

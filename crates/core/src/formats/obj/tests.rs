@@ -410,6 +410,30 @@ fn oddities_are_counted() {
 }
 
 #[test]
+fn names_of_libraries_may_contain_spaces() {
+    let resolve = |name: &str| (name == "my own.mtl").then(|| b"newmtl x\nKd 1 0 0\n".to_vec());
+    let budget = Budget::default();
+    let files = Held::new(&resolve, &budget);
+    let lines = [
+        ("my own.mtl", 0),
+        (r"my\ own.mtl", 0),
+        (r"no.mtl my\ own.mtl ", 1),
+        (r"my\ own.mtl\t no.mtl\ no.mtl", 2),
+    ];
+    for (line, lost) in lines {
+        let text = format!("mtllib {line}\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let obj = read(Path::new("a.obj"), text.as_bytes(), &files, &|_| ()).expect("a good file");
+        let is_found = lost < 2;
+        assert_eq!(obj.mesh.materials.len(), usize::from(is_found), "{line}");
+        let missing = obj
+            .warnings
+            .iter()
+            .filter(|warning| warning.contains("cannot be read"));
+        assert_eq!(missing.count(), lost, "{line}: {:?}", obj.warnings);
+    }
+}
+
+#[test]
 fn says_where_and_what() {
     let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let check = |tail: &str, expected: &str| {
@@ -427,6 +451,10 @@ fn says_where_and_what() {
     check(
         "f 1 2 -4\n",
         "a.obj:4: expected a vertex index down to -3, found -4",
+    );
+    assert_eq!(
+        error("f -3 -2 -1\n"),
+        "a.obj:1: expected vertices before it (lines of `v x y z`), found -3"
     );
     check(
         "vt 0 0\nf 1/1 2/1 3/2\n",
