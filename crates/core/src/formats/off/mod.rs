@@ -290,8 +290,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Adds the indices of a face that follow in further lines, where the last of these ends with the face: some programs
-    /// break lines anywhere. Anywhere else the line is wrong, and stays as it is.
+    /// Adds the indices of a face that follow in further lines, where all are of vertices and the last line ends with the
+    /// face: some programs break lines anywhere. Anywhere else the line is wrong, and stays as it is.
     fn complete_face(&mut self, numbers: &mut Vec<f64>, expected: &str) {
         let corners = numbers.first().map_or(0, |&count| count as usize);
         if numbers.len() > corners || corners > self.vertices {
@@ -299,7 +299,10 @@ impl Reader<'_> {
         }
         let (after_line, length) = (self.tokens.clone(), numbers.len());
         while numbers.len() <= corners && self.append_line(numbers, expected).is_ok() {}
-        if numbers.len() != corners + 1 {
+        let vertices = 0.0..self.vertices as f64;
+        let is_face = numbers.len() == corners + 1
+            && numbers[1..].iter().all(|index| vertices.contains(index));
+        if !is_face {
             self.tokens = after_line;
             numbers.truncate(length);
         }
