@@ -44,7 +44,8 @@
 //! Numbers that are zero or within 2^±200 keep products of four in double precision's range.
 
 use super::setup::{
-    Edges, FunctionDomain, LINEAR_ERROR, Linear, PacketSpace, REACH, TriangleSetup, is_negative,
+    Edges, FunctionDomain, LINEAR_ERROR, Linear, NEGLIGIBLE, PacketSpace, REACH, TriangleSetup,
+    is_negative,
 };
 use crate::hit::Cull;
 use crate::num::roundoff::EPSILON;
@@ -318,6 +319,7 @@ impl PacketSpace {
         culled |= is_missed;
         let spread = key.size(span);
         let key_error = spread * LINEAR_ERROR + error;
+        let key = key.without_terms_below(spread * NEGLIGIBLE, span);
         for (out, term) in out.depth_key.iter_mut().zip([key.constant, key.x, key.y]) {
             out[l] = if is_selected { term as f32 } else { out[l] };
         }

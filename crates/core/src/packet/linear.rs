@@ -132,6 +132,25 @@ impl Linear {
         self.constant.abs() + self.x.abs() * span.across + self.y.abs() * span.along
     }
 
+    /// The function without its terms that contribute less than `least` to its size over a span.
+    #[inline(always)]
+    pub(super) fn without_terms_below(self, least: f64, span: &FunctionDomain) -> Self {
+        let Self { constant, x, y } = self;
+        Self {
+            constant: if constant.abs() < least {
+                0.0
+            } else {
+                constant
+            },
+            x: if x.abs() * span.across < least {
+                0.0
+            } else {
+                x
+            },
+            y: if y.abs() * span.along < least { 0.0 } else { y },
+        }
+    }
+
     /// The greatest magnitude in a packet.
     #[inline(always)]
     pub(super) fn reach(self) -> f64 {

@@ -72,6 +72,14 @@ pub(super) use space::origin_error;
 /// higher orders.
 pub(super) const LINEAR_ERROR: f64 = 48.0 / (1u64 << 24) as f64;
 
+/// The least share of a function's greatest magnitude that a term contributes, 2⁻¹² of [`LINEAR_ERROR`]; what is less is
+/// stored as zero, and the thousandth by which errors are enlarged covers three such terms.
+///
+/// Functions of planes that are nearly perpendicular to the rays, or of edges along rows, have slopes that are subnormal
+/// numbers of single precision otherwise, and many processors multiply these a hundred times more slowly. With a greater
+/// share the thousandth does not suffice; with a lesser one more such slopes stay.
+pub(super) const NEGLIGIBLE: f64 = LINEAR_ERROR / (1 << 12) as f64;
+
 /// The least ratio between the greatest magnitudes of two of a triangle's edge functions at which all three share a
 /// scale.
 ///
@@ -173,6 +181,7 @@ impl TriangleSetup {
             are_sound &= is_sound;
             let is_greater = is_sound & (error > greatest_error);
             greatest_error = if is_greater { error } else { greatest_error };
+            let function = function.without_terms_below(NEGLIGIBLE, span);
             let terms = [function.constant, function.x, function.y];
             for (out, term) in self.edges[edge].iter_mut().zip(terms) {
                 let term = if is_sound { term as f32 } else { 0.0 };
@@ -298,9 +307,10 @@ impl PacketSpace {
             let edge_error = (edge_error * unit + LINEAR_ERROR) * 1.001;
             out.edge_error[l] = edge_error as f32;
             for (out, edge) in out.edges.iter_mut().zip(edges) {
-                out[0][l] = (edge.constant * unit) as f32;
-                out[1][l] = (edge.x * unit) as f32;
-                out[2][l] = (edge.y * unit) as f32;
+                let edge = edge.times(unit).without_terms_below(NEGLIGIBLE, &span);
+                out[0][l] = edge.constant as f32;
+                out[1][l] = edge.x as f32;
+                out[2][l] = edge.y as f32;
             }
 
             let inverse = self.key_factor / plane.facing;
@@ -311,6 +321,7 @@ impl PacketSpace {
             let key_error = spread * LINEAR_ERROR
                 + self.reference_error
                 + 2.0 * (greatest * plane.facing_error + plane.numerator_error) * inverse.abs();
+            let key = key.without_terms_below(spread * NEGLIGIBLE, &span);
             out.depth_key[0][l] = key.constant as f32;
             out.depth_key[1][l] = key.x as f32;
             out.depth_key[2][l] = key.y as f32;
