@@ -133,12 +133,16 @@ const LIBRARY_LIMIT: usize = 1000;
 fn names_in(line: &str) -> Vec<String> {
     let mut names = vec![String::new()];
     let mut letters = line.chars().peekable();
-    while let Some(letter) = letters.next() {
-        let escaped = (letter == '\\').then(|| letters.next_if(|next| next.is_whitespace()));
-        if letter.is_whitespace() {
-            names.push(String::new());
-        } else if let Some(name) = names.last_mut() {
-            name.push(escaped.flatten().unwrap_or(letter));
+    while let Some(mut letter) = letters.next() {
+        let is_between = letter.is_whitespace();
+        if letter == '\\'
+            && let Some(space) = letters.next_if(|next| next.is_whitespace())
+        {
+            letter = space;
+        }
+        match names.last_mut() {
+            Some(name) if !is_between => name.push(letter),
+            _ => names.push(String::new()),
         }
     }
     names.retain(|name| !name.is_empty());

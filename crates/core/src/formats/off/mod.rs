@@ -139,7 +139,7 @@ impl Reader<'_> {
         self.append_line(numbers, expected)
     }
 
-    /// The same behind the numbers of lines before.
+    /// As [`Self::line`], but appends to `numbers`.
     fn append_line(&mut self, numbers: &mut Vec<f64>, expected: &str) -> Result<(), FormatError> {
         let mut word = self.tokens.next();
         if word.is_none() {

@@ -448,7 +448,21 @@ impl ModelReader<'_, '_> {
             self.attributes.line = line;
             match self.groups.give(properties, mesh) {
                 Ok(mixed) => self.model.mixed += mixed,
-                Err(Missing { expected, found }) => {
+                Err(missing) => {
+                    let (expected, found) = match missing {
+                        Missing::Group(group) => (
+                            "groups of colours or materials".to_owned(),
+                            group.to_string(),
+                        ),
+                        Missing::Member {
+                            group,
+                            index,
+                            members,
+                        } => (
+                            format!("one of group {group}'s {members} colours"),
+                            format!("number {index}"),
+                        ),
+                    };
                     let expected = format!("object {id} to name {expected}");
                     return Err(self.attributes.unexpected(&expected, &found));
                 }

@@ -40,10 +40,15 @@ pub(super) struct Groups {
 }
 
 /// What a property names that the file does not have.
-pub(super) struct Missing {
-    /// The object's side of the message: what it was expected to name.
-    pub(super) expected: String,
-    pub(super) found: String,
+pub(super) enum Missing {
+    /// A group of this id.
+    Group(u32),
+    /// The member of this index, of so many that a group has.
+    Member {
+        group: u32,
+        index: u32,
+        members: usize,
+    },
 }
 
 impl Groups {
@@ -97,19 +102,17 @@ impl Groups {
     }
 
     fn group(&self, id: u32) -> Result<&Group, Missing> {
-        self.shown.get(&id).ok_or_else(|| Missing {
-            expected: "groups of colours or materials".to_owned(),
-            found: id.to_string(),
-        })
+        self.shown.get(&id).ok_or(Missing::Group(id))
     }
 }
 
 impl Group {
     /// A member of the group, which has this id.
     fn member(&self, id: u32, index: u32) -> Result<&Material, Missing> {
-        self.members.get(index as usize).ok_or_else(|| Missing {
-            expected: format!("one of group {id}'s {} colours", self.members.len()),
-            found: format!("number {index}"),
+        self.members.get(index as usize).ok_or(Missing::Member {
+            group: id,
+            index,
+            members: self.members.len(),
         })
     }
 }
