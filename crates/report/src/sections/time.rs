@@ -24,11 +24,11 @@ pub struct HostileCost {
     pub triangles: usize,
     /// The time to build the BVH.
     pub build: Duration,
-    /// The same for as many ordinary triangles.
+    /// The same for as many ordinary triangles; of several scenes, the longest.
     pub ordinary_build: Duration,
     /// The time to cast the picture's rays, exact, with t, u and v.
     pub cast: Duration,
-    /// The same for as many ordinary triangles.
+    /// The same for as many ordinary triangles; of several scenes, the longest.
     pub ordinary_cast: Duration,
 }
 
@@ -72,7 +72,11 @@ pub fn measure_pair(
         Accel::build(&seen.scene).map(|accel| (accel, started.elapsed()))
     };
     let (hostile, build_time) = build(&scenes.hostile)?;
-    let (ordinary, ordinary_build) = build(&scenes.ordinary)?;
+    let ordinary = (scenes.ordinary.iter())
+        .map(build)
+        .collect::<Result<Vec<_>, _>>()?;
+    let builds = ordinary.iter().map(|(_, build)| *build);
+    let ordinary_build = builds.max().unwrap_or_default();
     let mut costs = Vec::new();
     for projection in PROJECTIONS {
         let time = |accel: &Accel, seen: &SceneView| {
@@ -85,11 +89,16 @@ pub fn measure_pair(
             }
             started.elapsed()
         };
-        let [mut cast, mut ordinary_cast] = [Duration::MAX; 2];
+        let mut cast = Duration::MAX;
+        let mut ordinary_casts = vec![Duration::MAX; ordinary.len()];
         for _ in 0..rounds.max(1) {
             cast = cast.min(time(&hostile, &scenes.hostile));
-            ordinary_cast = ordinary_cast.min(time(&ordinary, &scenes.ordinary));
+            let scenes = ordinary.iter().zip(&scenes.ordinary);
+            for (least, ((accel, _), seen)) in ordinary_casts.iter_mut().zip(scenes) {
+                *least = (*least).min(time(accel, seen));
+            }
         }
+        let ordinary_cast = ordinary_casts.into_iter().max().unwrap_or(cast);
         costs.push(HostileCost {
             name: name.to_owned(),
             projection,

@@ -1,13 +1,13 @@
 //! Scenes made from seeds to find what takes long: arrangements that are hard for kernels, at random scales, seen from
 //! eyes in hard places.
 
-use super::scene_pair::{ScenePair, ordinary_pair};
+use super::scene_pair::{ScenePair, pair_in_place};
 use raycast_core::glam::DVec3;
 use raycast_core::math;
 use raycast_oracle::random::Random;
 use std::f64::consts::TAU;
 
-/// The scene of a seed, and as many ordinary triangles.
+/// The scene of a seed, and as many ordinary triangles in its places and in an ordinary view.
 pub fn hunted(seed: u64) -> ScenePair {
     let mut random = Random::new(seed);
     let random = &mut random;
@@ -44,7 +44,7 @@ pub fn hunted(seed: u64) -> ScenePair {
         1 => distance * random.decade(-6.0, 0.5),
         _ => 2.0 * scale,
     };
-    ordinary_pair((eye, target, height), &triangles)
+    pair_in_place((eye, target, height), &triangles)
 }
 
 /// How far layers are from one another.

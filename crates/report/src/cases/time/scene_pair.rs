@@ -26,12 +26,13 @@ impl SceneView {
     }
 }
 
-/// A hostile scene, and one of as many ordinary triangles in the same place.
+/// A hostile scene, and some of as many ordinary triangles.
 pub struct ScenePair {
     /// The scene that takes other kernels time without bound.
     pub hostile: SceneView,
-    /// The scene to compare it with.
-    pub ordinary: SceneView,
+    /// The scenes to compare it with, of which the one whose picture takes longest counts: one in the same place, and also one
+    /// in an ordinary view where the hostile view may see little of that.
+    pub ordinary: Vec<SceneView>,
 }
 
 /// Where most scenes are seen from.
@@ -40,7 +41,10 @@ pub(super) const EYE: DVec3 = DVec3::new(0.25, 0.5, 3.0);
 /// Two scenes in one view.
 fn pair_in(view: View, hostile: Scene, ordinary: Scene) -> ScenePair {
     let [hostile, ordinary] = [hostile, ordinary].map(|scene| SceneView { scene, view });
-    ScenePair { hostile, ordinary }
+    ScenePair {
+        hostile,
+        ordinary: vec![ordinary],
+    }
 }
 
 /// Two scenes around the origin, seen from an eye.
@@ -61,11 +65,32 @@ pub(super) fn ordinary_pair(view: View, hostile: &[[DVec3; 3]]) -> ScenePair {
             scene: single_mesh(soup(hostile)),
             view,
         },
-        ordinary: SceneView {
+        ordinary: vec![SceneView {
             scene: ordinary(hostile.len(), 0.5),
             view: (EYE, DVec3::ZERO, 2.0),
-        },
+        }],
     }
+}
+
+/// A soup in a view, as many ordinary triangles in the same view and places, and as many in an ordinary one.
+pub(super) fn pair_in_place(view: View, hostile: &[[DVec3; 3]]) -> ScenePair {
+    let mut pair = ordinary_pair(view, hostile);
+    pair.ordinary.push(SceneView {
+        scene: single_mesh(soup(&in_the_places_of(hostile))),
+        view,
+    });
+    pair
+}
+
+/// Triangles with random corners, each about the middle of one of these and about as large.
+fn in_the_places_of(triangles: &[[DVec3; 3]]) -> Vec<[DVec3; 3]> {
+    let mut random = Random::new(411);
+    let ordinary = |&[a, b, c]: &[DVec3; 3]| {
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let middle = (a + b + c) / 3.0;
+        [(); 3].map(|()| middle + random.in_cube() * (0.5 * longest))
+    };
+    triangles.iter().map(ordinary).collect()
 }
 
 pub(super) fn single_mesh(mesh: Mesh) -> Scene {

@@ -81,9 +81,9 @@ pub(super) fn shared_plane() -> ScenePair {
 }
 
 pub(super) fn next_to_vertex() -> ScenePair {
-    let ScenePair { hostile, ordinary } = shared_vertex();
+    let ScenePair { hostile, .. } = shared_vertex();
     let eye = DVec3::from_array(EYE.to_array().map(f64::next_up));
-    pair(eye, hostile.scene, ordinary.scene)
+    pair(eye, hostile.scene, ordinary(12, 1.0))
 }
 
 pub(super) fn coincident() -> ScenePair {
@@ -156,7 +156,7 @@ fn distant_sphere(radius: f64) -> ScenePair {
     };
     ScenePair {
         hostile: view_of(radius),
-        ordinary: view_of(1.0),
+        ordinary: vec![view_of(1.0)],
     }
 }
 
@@ -192,7 +192,7 @@ pub(super) fn far_fan() -> ScenePair {
     };
     ScenePair {
         hostile: view_from(DVec3::new(1.0, 2.0, 4.0) * 4e12),
-        ordinary: view_from(DVec3::new(1.0, 2.0, 4.0)),
+        ordinary: vec![view_from(DVec3::new(1.0, 2.0, 4.0))],
     }
 }
 
@@ -229,7 +229,7 @@ pub(super) fn flat_disc() -> ScenePair {
     };
     ScenePair {
         hostile: view_of(1e-15),
-        ordinary: view_of(1.0),
+        ordinary: vec![view_of(1.0)],
     }
 }
 
@@ -469,6 +469,6 @@ pub(super) fn inside_needle() -> ScenePair {
     };
     ScenePair {
         hostile: view_of(single_mesh(soup(&needles))),
-        ordinary: view_of(ordinary(300, 1.0)),
+        ordinary: vec![view_of(ordinary(300, 1.0))],
     }
 }
